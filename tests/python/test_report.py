@@ -1,5 +1,6 @@
-"""The page of `rocking assess` as Chromium prints it."""
+"""The pages of `rocking assess` and `rocking portfolio` as Chromium prints them."""
 
+import json
 import shutil
 import subprocess
 from pathlib import Path
@@ -9,20 +10,25 @@ import pytest
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples/assess"
 
 
-@pytest.mark.check
-@pytest.mark.parametrize("study", ["pier", "statue", "cabinet"])
-def test_the_first_page_has_the_summary_and_its_pictures(program, study, tmp_path):
+def printed(page):
+    """The pages of a printed file, and its size in mm."""
     pypdf = pytest.importorskip("pypdf")
     chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if not chromium:
         pytest.skip("chromium is not installed")
+    file = page.with_suffix(".pdf")
+    subprocess.run([chromium, "--headless", "--no-sandbox", "--disable-gpu", f"--print-to-pdf={file}", page.as_uri()], check=True,
+                   capture_output=True)
+    pages = pypdf.PdfReader(file).pages
+    return pages, tuple(round(float(side) / 72 * 25.4) for side in pages[0].mediabox[2:])
+
+
+@pytest.mark.check
+@pytest.mark.parametrize("study", ["pier", "statue", "cabinet"])
+def test_the_first_page_has_the_summary_and_its_pictures(program, study, tmp_path):
     subprocess.run([program, "assess", f"{study}.toml", "--out", tmp_path], check=True, cwd=EXAMPLES, capture_output=True)
-    printed = tmp_path / "report.pdf"
-    options = ["--headless", "--no-sandbox", "--disable-gpu", f"--print-to-pdf={printed}"]
-    subprocess.run([chromium, *options, (tmp_path / "report.html").as_uri()], check=True, capture_output=True)
-    pages = pypdf.PdfReader(printed).pages
-    width, height = (round(float(side) / 72 * 25.4) for side in pages[0].mediabox[2:])
-    assert (width, height) == (210, 297)
+    pages, size = printed(tmp_path / "report.html")
+    assert size == (210, 297)
     first, second = (page.extract_text() for page in pages[:2])
     # The page is the one that docs/assess.md describes, and the others are few.
     assert first.index("The object") < first.index("Summary") and "2026-11-29" in first
@@ -34,3 +40,16 @@ def test_the_first_page_has_the_summary_and_its_pictures(program, study, tmp_pat
     assert len(curves) == 1 and curves[0] > 0
     assert ("annual rate" in first) == (study == "statue")
     assert "The object" in second.split("Quantity")[0]
+
+
+@pytest.mark.check
+def test_the_museum_is_ranked_on_one_page(program, tmp_path):
+    made = subprocess.run([program, "portfolio", EXAMPLES.parent / "museum", "--out", tmp_path, "--json"], check=True, capture_output=True)
+    pages, size = printed(tmp_path / "portfolio.html")
+    assert (len(pages), size) == (1, (297, 210))
+    text = " ".join(pages[0].extract_text().split())
+    objects = json.loads(made.stdout)["objects"]
+    assert [object["rank"] for object in objects] == list(range(1, 9))
+    places = [text.index(object["title"], text.index("What is not known")) for object in objects]
+    assert places == sorted(places)
+    assert all((tmp_path / object["name"] / "report.html").exists() for object in objects)

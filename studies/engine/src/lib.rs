@@ -24,6 +24,7 @@
 //! | [`risk`] | a hazard curve, a fragility curve → the annual rate of exceeding a limit |
 //! | [`fit`] | measured tests of a block, free parameters → estimates with their intervals |
 //! | [`assess`] | a study file with an object → the numbers of a report on it |
+//! | [`portfolio`] | study files with an object each → their order by annual rate |
 
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
@@ -70,3 +71,5 @@ pub mod risk;
 pub mod fit;
 
 pub mod assess;
+
+pub mod portfolio;

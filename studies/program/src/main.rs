@@ -23,8 +23,8 @@ use clap::error::ErrorKind;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use commands::{
-    assess, fit, foundations, fragility, frame, ida, merge, parts, pulse, pushover, rate, record, schema, search,
-    shell, simulate, sketch, spectrum, sweep,
+    assess, fit, foundations, fragility, frame, ida, merge, parts, portfolio, pulse, pushover, rate, record, schema,
+    search, shell, simulate, sketch, spectrum, sweep,
 };
 use options::explicit::ExplicitOptions;
 use rocking_studies::output::resumable::TableWriteError;
@@ -70,6 +70,8 @@ enum Command {
     Fit(Box<fit::FitCommand>),
     /// Assess one object: a page with its fragility, annual rates, variants and sensitivity
     Assess(Box<assess::AssessCommand>),
+    /// Assess several objects of one site and rank them by annual rate: a page, with a page for each
+    Portfolio(portfolio::PortfolioCommand),
     /// Show the contents and intensity measures of accelerograms, or convert one to a table
     Record(Box<record::RecordCommand>),
     /// Fit a pulse to the velocity of an accelerogram
@@ -168,6 +170,7 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Search(options)) => search::run(&options, &explicit),
         Some(Command::Fit(options)) => fit::run(&options),
         Some(Command::Assess(options)) => assess::run(&options),
+        Some(Command::Portfolio(options)) => portfolio::run(&options),
         Some(Command::Record(options)) => record::run(&options),
         Some(Command::Pulse(options)) => pulse::run(&options),
         Some(Command::Foundations(options)) => foundations::run(&options),

@@ -12,7 +12,7 @@ up.
 """
 
 from rocking_block import foundations
-from rocking_block._assess import Assessment, assess
+from rocking_block._assess import Assessment, Portfolio, assess, portfolio
 from rocking_block._block import Block
 from rocking_block._building import Building, FloorMotions, floor_motions
 from rocking_block._cloud import Cloud, Share, Stripes, Sufficiency, cloud, stripes
@@ -62,6 +62,7 @@ __all__ = [
     "Landmark",
     "Peak",
     "PeakInSpace",
+    "Portfolio",
     "Pulse",
     "PulseFit",
     "Pushover",
@@ -91,6 +92,7 @@ __all__ = [
     "ida",
     "intensity",
     "outcomes",
+    "portfolio",
     "read_hazard",
     "read_record",
     "read_table",

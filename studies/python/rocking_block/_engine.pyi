@@ -18,6 +18,8 @@ _Pair = tuple[Record | None, Record | None]
 # The name, the unit and the values of a column.
 _Column = tuple[str, str | None, npt.NDArray[Any]]
 _StudyRows = tuple[list[_Column], str | None, dict[str, float]]
+# The numbers as JSON, the sentences, and the files with their names.
+_Report = tuple[str, str, list[tuple[str, bytes]]]
 _Answer = tuple[float | None, str, list[tuple[float, float, str]], float]
 
 @disjoint_base
@@ -474,7 +476,13 @@ def assess(
     threads: int | None,
     keep: tuple[str | PathLike[str], str | PathLike[str]] | None,
     tick: _Tick,
-) -> tuple[str, str, list[tuple[str, bytes]]]: ...
+) -> _Report: ...
+def portfolio(
+    studies: list[str | PathLike[str]],
+    threads: int | None,
+    keep: tuple[str | PathLike[str], str | PathLike[str]] | None,
+    tick: _Tick,
+) -> tuple[_Report, list[tuple[str, _Report]]]: ...
 def fit(
     block: Block,
     tests: list[dict[str, Any]],

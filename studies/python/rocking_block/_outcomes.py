@@ -8,7 +8,7 @@ import os
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +18,7 @@ from rocking_block._pulse import Pulse, as_pulse
 from rocking_block._record import Record, as_record
 from rocking_block._table import Table
 from rocking_block._tie import Damper, Tie, links
-from rocking_block._words import OF_EVERY_BLOCK, Floats, ticking
+from rocking_block._words import OF_EVERY_BLOCK, Floats, Polarity, chosen, ticking
 
 # One record or several, as objects or as files.
 Records = Record | str | os.PathLike[str] | Iterable[Record | str | os.PathLike[str]]
@@ -52,6 +52,7 @@ def table_of_outcomes(
     blocks: Sequence[_engine.Block] = (),
     parts: int | None = None,
     executor: Executor | None = None,
+    polarity: Polarity = "as-recorded",
 ) -> Table:
     """Returns the table of the outcomes; `more` has further columns of the blocks, which an executor needs one by one."""
     horizontal, vertical_records = read_several("records", records, g), read_several("vertical", vertical, g)
@@ -60,6 +61,12 @@ def table_of_outcomes(
         raise ValueError("nothing moves the ground; expected records or a pulse")
     if horizontal and vertical_records and len(horizontal) != len(vertical_records):
         raise ValueError(f"found {len(vertical_records)} vertical and {len(horizontal)} horizontal records; expected equal numbers")
+    both = chosen("polarity", polarity, get_args(Polarity)) == "both"
+    if both:
+        if not horizontal:
+            raise ValueError("polarity has no effect without horizontal records")
+        horizontal = _in_both_polarities(horizontal)
+        vertical_records = [record for record in vertical_records for _ in range(2)]
     number = max(len(horizontal), len(vertical_records), 1)
     nothing: list[Record | None] = [None] * number
     pairs = list(zip(horizontal or nothing, vertical_records or nothing, strict=True))
@@ -114,7 +121,7 @@ def table_of_outcomes(
     columns.update({name: values for name, _, values in found})
     units.update({name: unit for name, unit, _ in found if unit is not None})
     warn_of_failures(columns["outcome"], failure)
-    single = isinstance(vertical if records is None else records, Record | str | os.PathLike | None)
+    single = not both and isinstance(vertical if records is None else records, Record | str | os.PathLike | None)
     axes = (*(() if single else (number,)), *scales.shape, *shape)
     return Table(columns, units, axes)
 
@@ -129,6 +136,16 @@ def varying(blocks: Sequence[_engine.Block]) -> dict[str, Floats]:
         for name in _OF_LINKS[link.partition("_")[0]]:
             columns[f"{link}.{name}"] = np.array([getattr(of_block.get(link), name, np.nan) for of_block in of_blocks])
     return {name: column for name, column in columns.items() if len(np.unique(column)) > 1}
+
+
+def _in_both_polarities(records: Sequence[Record]) -> list[Record]:
+    """Returns each record, followed by the reversed one, under names that tell them to be one motion."""
+
+    def of(record: Record, name: str, sign: float) -> Record:
+        return Record(sign * record.acceleration, record.dt, name, record.start)
+
+    pairs = ((of(record, name, 1.0), of(record, f"{name} (reversed)", -1.0)) for record, name in zip(records, named(records), strict=True))
+    return [record for pair in pairs for record in pair]
 
 
 def read_several(name: str, records: Records | None, g: float) -> list[Record]:

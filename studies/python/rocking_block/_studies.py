@@ -17,7 +17,7 @@ from rocking_block._block import Block
 from rocking_block._outcomes import Records, table_of_outcomes, varying, warn_of_failures
 from rocking_block._pulse import Pulse
 from rocking_block._table import Table, of_columns
-from rocking_block._words import Floats, Foundation, OnOverturning, OnSeparation, chosen, is_url, run_options, ticking
+from rocking_block._words import Floats, Foundation, OnOverturning, OnSeparation, Polarity, chosen, is_url, run_options, ticking
 
 def spectrum(
     *,
@@ -157,6 +157,7 @@ def outcomes(
     records: Records | None = None,
     *,
     vertical: Records | None = None,
+    polarity: Polarity = "as-recorded",
     scale: npt.ArrayLike = 1.0,
     periods: npt.ArrayLike = (),
     pulse: Pulse | None = None,
@@ -180,6 +181,9 @@ def outcomes(
     records, vertical, scale, periods, pulse, tolerance, on_separation, on_overturning, duration, step,
     friction_demand, progress
         As in `spectrum`; files in g are converted with 9.81 m/s².
+    polarity : {"as-recorded", "both"}
+        With both, each record is followed by itself with the horizontal accelerations reversed, in the same vertical ones. It matters to uneven
+        blocks and to ties on one side. Both are one motion to `fragility`.
     parts, executor, threads
         As in `sweep`. A part has some of the records and some of the blocks, and the worker gets these with it.
 
@@ -231,6 +235,7 @@ def outcomes(
         listed,
         parts,
         executor,
+        polarity,
     )
 
 

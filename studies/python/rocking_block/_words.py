@@ -23,6 +23,7 @@ Shape = Literal[
 FittedShape = Literal["gabor", "one-sine", "one-cosine", "c1", "c2", "symmetric-ricker", "antisymmetric-ricker"]
 OnSeparation = Literal["terminate", "hold", "fly"]
 OnOverturning = Literal["terminate", "hold"]
+Polarity = Literal["as-recorded", "both"]
 Outcome = Literal["completed", "overturned", "separated", "undecided", "failed"]
 
 

@@ -17,7 +17,7 @@
 //! | `fragility` | outcomes over an intensity measure → a curve |
 //! | `risk` | a hazard curve and a fragility curve → an annual rate |
 //! | `fit` | a block, measured tests, free parameters → estimates with their intervals |
-//! | `assess` | a study file with an object → the numbers and the files of a report |
+//! | `assess` | study files with an object each → the numbers and the files of reports, and their order |
 //! | `foundations` | materials and sizes → friction, restitution, supports with their sources |
 //! | `space` | a block in space and its excitation → columns over time, or outcomes of many motions |
 //! | `search` | a range → the values at which the outcome changes |
@@ -57,7 +57,7 @@ mod _engine {
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use super::{
-        assess::assess,
+        assess::{assess, portfolio},
         block::Block,
         blocks::{Blocks, parameter_unit},
         building::Building,

@@ -453,3 +453,24 @@ def test_gradients_are_those_of_neighbouring_runs() -> None:
     assert "energy.input" not in of.columns
     with pytest.raises(ValueError, match="gradients: scale is no real parameter of this run"):
         run(1.2566, ["scale"])
+
+
+def test_both_polarities_are_one_motion():
+    """The reversed run of a block is that of its mirror image."""
+    record = rb.Record(np.sin(np.linspace(0, 12, 600)) * np.linspace(3, 0, 600), 0.01, "a")
+    other = rb.Record(np.sin(np.linspace(0, 20, 800)) * np.linspace(0, 4, 800), 0.01, "a")
+    blocks = {sign: [rb.Block(alpha=alpha, p=2.0, foundation="rigid", eccentricity=sign * 0.05) for alpha in (0.12, 0.2)] for sign in (1, -1)}
+    both = rb.outcomes(blocks[1], [record, other], scale=[0.4, 2], polarity="both", progress=False)
+    plain, mirrored = (rb.outcomes(blocks[sign], [record, other], scale=[0.4, 2], progress=False) for sign in (1, -1))
+    assert both.shape == (4, 2, 2)
+    reversed_ = np.char.endswith(both["record"].astype(str), " (reversed)")
+    for of, expected in ((~reversed_, plain), (reversed_, mirrored)):
+        assert both["outcome"][of].tolist() == expected["outcome"].tolist()
+        np.testing.assert_array_equal(both["peak.theta/alpha"][of], expected["peak.theta/alpha"])
+        np.testing.assert_array_equal(both["PGV"][of], plain["PGV"])
+    assert both["record"][~reversed_].tolist() == plain["record"].tolist()
+    assert rb.fragility(both, "PGV", limit=0.5).independence == rb.fragility(plain, "PGV", limit=0.5).independence
+    with pytest.raises(ValueError, match="polarity has no effect without horizontal records"):
+        rb.outcomes(blocks[1], vertical=record, polarity="both")
+    with pytest.raises(ValueError, match='polarity = "up"; expected one of "as-recorded", "both"'):
+        rb.outcomes(blocks[1], record, polarity="up")

@@ -8,14 +8,17 @@
 //! | `sentences` | results → plain English |
 //! | `commands` | a plan → the commands that give the same numbers |
 //! | `page` | all of these → HTML |
+//! | `portfolio` | the order of several objects → a page, a table and lines of a terminal |
 
 mod commands;
 mod numbers;
 mod page;
 mod pictures;
+mod portfolio;
 mod sentences;
 mod tables;
 
+pub use portfolio::{PORTFOLIO_PAGE, portfolio_files, portfolio_text};
 use rocking_charts::picture::{PictureError, PictureFormat};
 use rocking_studies::assess::{Plan, Results};
 

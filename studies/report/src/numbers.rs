@@ -6,7 +6,7 @@ use std::borrow::Borrow;
 use std::collections::BTreeSet;
 
 use rocking_charts::numerals::{self, significant};
-use rocking_studies::assess::{Counts, MotionResult};
+use rocking_studies::assess::{Counts, Report};
 use rocking_studies::fragility::{Limit, split_heading};
 use rocking_studies::spec::{BlockSpec, SpaceSpec, limits};
 
@@ -127,18 +127,24 @@ pub fn exceed(limit: Limit) -> String {
 }
 
 /// [`ground_motions`] in fewer words.
-pub fn motions(motions: &[MotionResult]) -> String {
-    ground_motions(motions).replace("ground motion", "motion")
+pub fn motions(report: &Report) -> String {
+    ground_motions(report).replace("ground motion", "motion")
 }
 
-/// Writes the number of ground motions, each once whatever the number of its directions.
-pub fn ground_motions(motions: &[MotionResult]) -> String {
+/// Writes the number of ground motions, each once whatever the number of its directions and polarities.
+pub fn ground_motions(report: &Report) -> String {
+    let motions = &report.motions;
     let names: BTreeSet<&str> = motions.iter().map(|motion| motion.name.as_str()).collect();
     let counted = counted(names.len() as u64, "ground motion");
     // Each has as many directions as all others.
-    match motions.len() / names.len().max(1) {
+    let counted = match motions.len() / names.len().max(1) {
         0 | 1 => counted,
         directions => format!("{counted} in {directions} directions"),
+    };
+    match report.reversed {
+        0 => counted,
+        all if all == motions.len() => counted + " in both polarities",
+        some => counted + &format!(" ({some} also reversed)"),
     }
 }
 

@@ -159,7 +159,7 @@ impl Page<'_> {
     /// Writes where the runs of a state without an annual rate lie.
     fn without_rate(&self, separate_at: &[Option<f64>; 2]) -> String {
         let (measure, unit) = heading(&self.report.im);
-        let runs = numbers::separate(*separate_at, &numbers::motions(&self.report.motions), (&measure, &unit));
+        let runs = numbers::separate(*separate_at, &numbers::motions(self.report), (&measure, &unit));
         runs.unwrap_or_else(|| "—".into())
     }
 

@@ -36,7 +36,7 @@ pub fn verdict(report: &Report, [least, greatest]: [f64; 2]) -> [String; 2] {
         "The object {happens} in {} of {} computed runs under {} with a {} from {} to {}{unit}{half}{stands}.",
         numbers::exceeded(&state.runs),
         state.runs.all(),
-        ground_motions(&report.motions),
+        ground_motions(report),
         spelled(&measure),
         short(least),
         short(greatest)
@@ -80,7 +80,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
         "In {} ({} × {} × {}) {}.",
         counted(report.runs, "run"),
         counted(report.blocks, "block"),
-        ground_motions(&report.motions),
+        ground_motions(report),
         counted(report.strengths.len() as u64, "strength"),
         join(&counts)
     ));
@@ -96,7 +96,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
                 [None, None] => format!(
                     "; the {} interval is unbounded: {} carry too little information",
                     percent(report.confidence),
-                    ground_motions(&report.motions)
+                    ground_motions(report)
                 ),
                 ends => format!(" ({} interval: {}{unit})", percent(report.confidence), interval(ends)),
             };
@@ -124,7 +124,7 @@ pub fn summary(report: &Report, range: [f64; 2]) -> Vec<String> {
             percent(found.probability)
         ));
     } else if let (Some(_), Some(runs)) =
-        (&report.hazard, numbers::separate(state.separate_at, &numbers::motions(&report.motions), (&measure, &unit)))
+        (&report.hazard, numbers::separate(state.separate_at, &numbers::motions(report), (&measure, &unit)))
     {
         sentences.push(format!("There is no annual rate of {}: {runs}.", limit(state.limit)));
     }
@@ -224,23 +224,13 @@ fn ties(report: &Report) -> Option<String> {
     Some(format!("In {broken} of {} runs {ties} breaks.", plain.runs.all()))
 }
 
-/// The least and the greatest annual rate of a variant over all outcomes of runs that have none; `None` without a greatest one.
-fn rates(variant: &Comparison) -> Option<[f64; 2]> {
-    match variant.rate_of_unknown {
-        Some([none, all]) => Some([none.unwrap_or(0.0), all?]),
-        None => variant.rate.map(|rate| [rate; 2]),
-    }
-}
-
 /// Names the variant with the least annual rate, if the object has one. Where runs have no known outcome, the greatest rate counts.
 fn best_rate(report: &Report) -> Option<String> {
-    let (plain, variants) = report.variants.split_first()?;
-    let before = rates(plain)?;
-    let found = variants.iter().filter_map(|variant| Some((variant, rates(variant)?)));
-    let (best, after) = found.min_by(|(_, [_, one]), (_, [_, other])| one.total_cmp(other))?;
-    if after[1] >= before[0] {
+    let best = report.least_rate()?;
+    if !report.reduces_rate(best) {
         return Some("No variant with an annual rate is known to reduce it.".into());
     }
+    let (before, after) = (report.variants[0].rates()?, best.rates()?);
     let shown = |[low, high]: [f64; 2]| match low == high {
         true => rate(low),
         false => numbers::rate_range([Some(low), Some(high)]).unwrap_or_default(),
@@ -257,13 +247,12 @@ fn best_rate(report: &Report) -> Option<String> {
 
 /// Names the variants without any exceedance.
 fn without_exceedance(report: &Report) -> Option<String> {
-    let (plain, variants) = report.variants.split_first()?;
-    let best: Vec<&Comparison> = variants.iter().filter(|variant| variant.runs.at_most() == 0).collect();
-    if plain.runs.exceeded == 0 || best.is_empty() {
+    let best = report.without_exceedance();
+    if best.is_empty() {
         return None;
     }
     let (measure, unit) = heading(&report.im);
-    let runs = numbers::separate(best[0].separate_at, &numbers::motions(&report.motions), (&measure, &unit))?;
+    let runs = numbers::separate(best[0].separate_at, &numbers::motions(report), (&measure, &unit))?;
     let names: Vec<String> = best.iter().map(|variant| format!("“{}”", variant.name)).collect();
     let helps = if best.len() == 1 { "helps" } else { "help" };
     let mut text = format!("Of the variants, {} {} most: {runs}.", join(&names), helps);
@@ -279,15 +268,12 @@ fn best_variants(report: &Report) -> Option<String> {
 
 /// Names the variants with the fewest runs beyond the limit, and their slip. These runs are fewer than those of the object.
 fn fewest_runs(report: &Report) -> Option<String> {
-    let (plain, variants) = report.variants.split_first()?;
-    // A run with an unknown outcome may exceed the limit.
-    let worst = |variant: &Comparison| variant.runs.at_most();
-    let least = variants.iter().map(worst).min()?;
+    let plain = report.variants.first()?;
     let exceed = exceed(report.states[report.compared_state].limit);
-    if least >= plain.runs.exceeded {
+    let best = report.fewest_runs();
+    if best.is_empty() {
         return Some(format!("No variant reduces the number of runs that {exceed}."));
     }
-    let best: Vec<&Comparison> = variants.iter().filter(|variant| worst(variant) == least).collect();
     let names: Vec<String> = best.iter().map(|variant| format!("“{}”", variant.name)).collect();
     // Blocks with ties have a limit of their own.
     let mut verbs: Vec<String> = best.iter().map(|variant| numbers::exceed(variant.limit)).collect();
@@ -320,11 +306,10 @@ fn slips(report: &Report, variant: &Comparison) -> Option<String> {
 
 /// The assumption whose range changes the count of runs most.
 fn strongest_assumption(report: &Report) -> Option<String> {
-    let change = |ends: &[Comparison; 2]| ends[0].runs.exceeded.abs_diff(ends[1].runs.exceeded);
-    let strongest = report.sensitivity.iter().max_by_key(|sensitivity| change(&sensitivity.ends))?;
+    let strongest = report.strongest_assumption()?;
     let exceed = exceed(report.states[report.compared_state].limit);
     let [low, high] = &strongest.ends;
-    if change(&strongest.ends) == 0 {
+    if strongest.change() == 0 {
         return Some(format!("No assumption changes the number of runs that {exceed}."));
     }
     let (name, unit) = named_quantity(&strongest.assumption.name);

@@ -136,7 +136,8 @@ pub(super) fn motions(plan: &Plan) -> Vec<MotionResult> {
             scales: range(scales).unwrap_or([1.0; 2]),
         }
     };
-    (0..sweep.motions.len()).map(motion).collect()
+    // A reversed motion is listed with the one that it reverses, whose measures and factors it has.
+    (0..sweep.motions.len()).filter(|&number| !sweep.motions[number].is_reversed).map(motion).collect()
 }
 
 pub(super) fn strengths(sweep: &Sweep) -> Vec<String> {

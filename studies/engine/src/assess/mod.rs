@@ -9,6 +9,7 @@
 //! | `plan` | `[assess]` of a study file → states, hazard, variants, assumptions |
 //! | `alternatives` | the object → its usual variants and the ranges of its assumptions |
 //! | `results` | the numbers of a report |
+//! | `comparing` | the results of a report → the variants that help, and the assumption that matters |
 //! | `states` | the table of a sweep, limits → curves and annual rates |
 //! | `pulses` | the object → the least pulses that overturn it |
 //! | `spectrum` | the object → blocks of its shape in other sizes |
@@ -17,6 +18,7 @@
 //! | `work` | a plan → its results |
 
 mod alternatives;
+mod comparing;
 mod describe;
 mod object;
 mod plan;

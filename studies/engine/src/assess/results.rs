@@ -24,6 +24,8 @@ pub struct Report {
     pub building: Option<BuildingResult>,
     /// The ground motions.
     pub motions: Vec<MotionResult>,
+    /// Number of these that also act reversed.
+    pub reversed: usize,
     /// Number of blocks under each ground motion.
     pub blocks: u64,
     /// Description of the strengths.

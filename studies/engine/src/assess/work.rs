@@ -109,6 +109,7 @@ pub fn assess(
         object: object(plan),
         building: building(plan),
         motions: motions(plan),
+        reversed: sweep.motions.iter().filter(|motion| motion.is_reversed).count(),
         blocks: sweep.combinations().unwrap_or(0),
         strengths: strengths(sweep),
         runs: sweep.rows(),

@@ -127,6 +127,10 @@ fn test(
     let mut ground = Ground::default();
     if let Some(record) = &table.record {
         let place = format!("{path}record");
+        if record.polarity.is_some() {
+            let message = "polarity has no effect on a test, which has one motion; expected a record as it was";
+            return Err(refused("record.polarity", message.into()));
+        }
         let found = records::Files { file, path: place, table: record, folder, vocabulary: Vocabulary::Plane }
             .read(values[Variable::G])?;
         let [of_record] = &found[..] else {

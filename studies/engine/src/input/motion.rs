@@ -9,9 +9,12 @@ use rocking_records::{Format, Record};
 /// The column of a table with the motion of each row, where the names of its records do not tell it.
 pub const MOTION: &str = "motion";
 
+/// The end of the name of a record that is reversed.
+pub const REVERSED: &str = " (reversed)";
+
 /// A ground motion: the shaking of one event at one station.
 ///
-/// Its components and their rotations, its processed forms, the floors of a building above it, and the same record with and without a
+/// Its components and their rotations, both polarities, its processed forms, the floors of a building above it, and the same record with and without a
 /// vertical component are one motion, since none of them is independent of the others.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Motion(String);
@@ -109,6 +112,7 @@ fn first_places(words: &[String]) -> Vec<usize> {
 /// and processing.
 fn as_recorded(title: &str) -> String {
     let title = title.split(" rotated by ").next().unwrap_or(title).trim();
+    let title = title.strip_suffix(REVERSED).unwrap_or(title);
     let title = match title.rsplit_once(" (") {
         Some((rest, words)) if words.trim_end_matches(')').split(", ").all(is_processing) => rest,
         _ => title,
@@ -278,6 +282,8 @@ mod tests {
             "quake; baseline removed, band-pass 0.1 to 25 Hz",
             "quake; resampled every 0.01 s",
             "quake (baseline removed)",
+            "quake (reversed)",
+            "quake (baseline removed) (reversed)",
             "quake, floor 3",
             "quake, floor 3; baseline removed",
         ] {

@@ -258,11 +258,24 @@ pub struct RecordsTable {
     /// Column of the accelerations in the tables of y, by name or by number from 1, instead of acceleration_column.
     #[schemars(with = "Option<Column>")]
     pub y_acceleration_column: Option<Choice>,
+    /// Polarities of the horizontal records; by default as-recorded. With both, each motion also acts with its horizontal record reversed.
+    pub polarity: Option<PolarityWord>,
     /// Patterns of files to leave out.
     pub exclude: Option<Vec<String>>,
     /// Settings of their reading.
     #[serde(flatten)]
     pub reading: RecordSpec,
+}
+
+/// Polarities of a horizontal record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[schemars(inline)]
+#[serde(rename_all = "kebab-case")]
+pub enum PolarityWord {
+    /// As it was recorded.
+    AsRecorded,
+    /// As it was recorded, and reversed: one motion in two rows.
+    Both,
 }
 
 /// `[building]`

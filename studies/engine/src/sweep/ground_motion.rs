@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::building::FloorMotion;
-use crate::input::motion::Motion;
+use crate::input::motion::{Motion, REVERSED};
 use crate::intensity::{BlockScales, ComponentMeasure, Measure, over_directions, pga};
 use rocking_block::excitation::records::{Ground, fingerprint};
 use rocking_block::space::SpaceGround;
@@ -25,6 +25,8 @@ pub struct GroundMotion {
     pub transverse: Option<Transverse>,
     /// Direction of the horizontal record for a block in space (degrees), from +x towards +y. It turns both components together.
     pub azimuth: f64,
+    /// Whether the horizontal record is reversed, of a study with both polarities.
+    pub is_reversed: bool,
     /// The floor on which the block stands, in a study with a building. The ground is 0.
     pub floor: Option<usize>,
     intensities: Arc<Intensities>,
@@ -120,6 +122,7 @@ impl GroundMotion {
             ground,
             transverse,
             azimuth: 0.0,
+            is_reversed: false,
             floor: None,
             intensities,
             of_floor: Vec::new(),
@@ -160,6 +163,14 @@ impl GroundMotion {
         on_floor.ground.horizontal = Some(record);
         on_floor.of_floor = vec![(Measure::Pfa, Some(pfa)), (Measure::Pfv, Some(pfv))];
         on_floor
+    }
+
+    /// The same motion with its horizontal record reversed, whose measures are the same. The vertical one stays.
+    pub fn reversed(&self) -> GroundMotion {
+        let mut reversed = GroundMotion { is_reversed: !self.is_reversed, ..self.clone() };
+        reversed.names[0] += REVERSED;
+        reversed.ground.horizontal = reversed.ground.horizontal.map(|record| record.scaled(-1.0));
+        reversed
     }
 
     /// The motion with its horizontal record in another direction (degrees).

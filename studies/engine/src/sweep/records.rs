@@ -8,7 +8,7 @@ use crate::input::parameters::Vocabulary;
 use crate::input::study_file::{Section, StudyFileError};
 use crate::intensity::Measure;
 use crate::space::ground::{ComponentNames, of_components};
-use crate::spec::study::{RecordsTable, StudyFile};
+use crate::spec::study::{PolarityWord, RecordsTable, StudyFile};
 use crate::sweep::ground_motion::{GroundMotion, Transverse};
 use rocking_block::excitation::records::{Ground, checksum, fingerprint};
 use rocking_records::{ReadOptions, Record};
@@ -46,13 +46,15 @@ pub(super) fn read(
     let motions = names.into_iter().zip(found).zip(of_events).map(|((names, of), of_event)| {
         let [horizontal, vertical, of_transverse] = names;
         let [horizontal_file, vertical_file, file] = of.files;
+        let is_reversed_too = of.polarity == PolarityWord::Both;
         let transverse = of.transverse.map(|record| Transverse { file, name: of_transverse, record });
         let names = [horizontal, vertical];
         let mut motion = GroundMotion::of_components(names, of.ground, transverse, measures, gravity);
         (motion.files, motion.motion) = ([horizontal_file, vertical_file], of_event);
-        motion
+        let reversed = is_reversed_too.then(|| motion.reversed());
+        std::iter::once(motion).chain(reversed)
     });
-    Ok((motions.collect(), remarks))
+    Ok((motions.flatten().collect(), remarks))
 }
 
 /// The files of a ground motion and their content. Slots are those of the horizontal file or x, of the vertical one or z, and of y.
@@ -64,6 +66,8 @@ pub(crate) struct RecordFiles {
     pub ground: Ground,
     /// The second horizontal component of a block in space.
     transverse: Option<Record>,
+    /// The polarities of the horizontal record.
+    polarity: PolarityWord,
     /// Reasons to doubt the records, with their files.
     doubts: Vec<String>,
 }
@@ -210,14 +214,22 @@ impl<T> Files<'_, '_, T> {
     /// Refuses the components of the other body, and settings of a component that is missing.
     fn refuse_without_effect(&self) -> Result<(), StudyFileError> {
         const OF_SPACE: &str = "is for a block in space; expected horizontal or vertical, or depth, depth_ratio, base or feet in [parameters]";
-        let RecordsTable { horizontal, vertical, x, y, z, cut, y_channel, y_acceleration_column, .. } = self.table;
+        let RecordsTable { horizontal, vertical, x, y, z, cut, y_channel, y_acceleration_column, polarity, .. } =
+            self.table;
         let in_space = self.vocabulary == Vocabulary::Space;
+        let is_both = *polarity == Some(PolarityWord::Both);
         let of_y = y_channel.is_some() || y_acceleration_column.is_some();
         let rules = [
             ("x", !in_space && x.is_some(), OF_SPACE),
             ("y", !in_space && y.is_some(), OF_SPACE),
             ("z", !in_space && z.is_some(), OF_SPACE),
             ("cut", cut.is_some() && y.is_none() && z.is_none(), "has no effect without y or z"),
+            (
+                "polarity",
+                in_space && polarity.is_some(),
+                "is for a block in the plane; expected azimuths in [study], of which 180 reverses a pair of records",
+            ),
+            ("polarity", is_both && horizontal.is_none(), "has no effect without horizontal"),
             (
                 "horizontal",
                 in_space && horizontal.is_some(),
@@ -306,7 +318,8 @@ impl<T> Files<'_, '_, T> {
             of_components(components, 0.0, COMPONENTS).map_err(|message| self.file.refused(&self.path, message))?;
         }
         let files = files.map(Option::unwrap_or_default);
-        Ok(RecordFiles { files, choices, ground, transverse, doubts })
+        let polarity = self.table.polarity.unwrap_or(PolarityWord::AsRecorded);
+        Ok(RecordFiles { files, choices, ground, transverse, polarity, doubts })
     }
 
     /// Removes the files that match a pattern of `exclude`; each pattern must match one.

@@ -42,6 +42,29 @@ struct AssessResult<'a> {
     files: Vec<&'a str>,
 }
 
+/// Opens the files of a report in its folder, after checking that none is an input of the study.
+pub fn pending(study: &Path, plan: &Plan, out: &Path, files: &[(String, Vec<u8>)]) -> anyhow::Result<Vec<Pending>> {
+    let folder = study.parent().unwrap_or(Path::new(""));
+    let records = plan.inputs.iter().skip(1).map(|input| NamedFile::new("the input", &folder.join(&input.file)));
+    let inputs: Vec<_> = std::iter::once(NamedFile::new("the study", study)).chain(records).collect();
+    let outputs: Vec<_> = files.iter().map(|(name, _)| NamedFile::new("--out", &out.join(name))).collect();
+    check_distinct(&inputs, &outputs)?;
+    files.iter().map(|(name, _)| Pending::new(&out.join(name))).collect()
+}
+
+/// Makes the folder of a report. A report that is there stays, unless the user asks to replace it.
+pub fn make_folder(out: &Path, page: &str, force: bool) -> anyhow::Result<PathBuf> {
+    let page = out.join(page);
+    anyhow::ensure!(
+        force || !page.exists(),
+        "{}: exists already; expected --force to replace it, or another folder for --out",
+        page.display()
+    );
+    std::fs::create_dir_all(out).with_context(|| format!("{}: cannot be created", out.display()))?;
+    Pending::new(&page)?;
+    Ok(page)
+}
+
 /// Runs the command.
 pub fn run(options: &AssessCommand) -> anyhow::Result<()> {
     let AssessCommand { file, out, force, processor, report } = options;
@@ -51,14 +74,7 @@ pub fn run(options: &AssessCommand) -> anyhow::Result<()> {
     let short = file.file_name().map_or(name.clone(), |name| name.to_string_lossy().into_owned());
     let plan = Plan::read(&short, &text, folder).map_err(|error| StudyFileError { file: name.clone(), ..error })?;
     warn(&plan.sweep.remarks);
-    let page = out.join(PAGE);
-    anyhow::ensure!(
-        *force || !page.exists(),
-        "{}: exists already; expected --force to replace it, or another folder for --out",
-        page.display()
-    );
-    std::fs::create_dir_all(out).with_context(|| format!("{}: cannot be created", out.display()))?;
-    Pending::new(&page)?;
+    let page = make_folder(out, PAGE, *force)?;
 
     // An interrupted call, or one with another title, finds the rows there.
     let kept = out.join("kept");
@@ -72,11 +88,7 @@ pub fn run(options: &AssessCommand) -> anyhow::Result<()> {
     let found = found.map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
     bar.clear();
     let files = rocking_report::files(&plan, &found)?;
-    let records = plan.inputs.iter().skip(1).map(|input| NamedFile::new("the input", &folder.join(&input.file)));
-    let inputs: Vec<_> = std::iter::once(NamedFile::new("the study", file)).chain(records).collect();
-    let outputs: Vec<_> = files.iter().map(|(name, _)| NamedFile::new("--out", &out.join(name))).collect();
-    check_distinct(&inputs, &outputs)?;
-    let pending = files.iter().map(|(name, _)| Pending::new(&out.join(name))).collect::<anyhow::Result<Vec<_>>>()?;
+    let pending = pending(file, &plan, out, &files)?;
     let names = files.iter().map(|(name, _)| name.as_str()).collect();
     let result = AssessResult { report: &found.report, steps: &found.steps, files: names };
     let text = rocking_report::text(&found);

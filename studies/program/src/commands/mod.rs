@@ -16,6 +16,7 @@
 //! | [`search`] | range → the values at which the outcome changes |
 //! | [`mod@fit`] | study file with measured tests of a block → estimates with intervals |
 //! | [`assess`] | study file with an object → a page on it, with pictures and tables |
+//! | [`portfolio`] | study files with an object each → their pages, and one that ranks them |
 //! | [`record`] | accelerograms → their contents and intensity measures |
 //! | [`pulse`] | an accelerogram → the pulse that fits it best |
 //! | [`foundations`] | surfaces, rubber, soil → friction, restitution, supports |
@@ -49,6 +50,8 @@ pub mod search;
 pub mod fit;
 
 pub mod assess;
+
+pub mod portfolio;
 
 pub mod record;
 

@@ -12,6 +12,7 @@
 //! | `frame` | columns under a beam: block, table, refusals |
 //! | `fit` | fits to measured tests |
 //! | `assess` | reports on an object |
+//! | `portfolio` | reports on several objects and their order |
 //! | `foundations` | friction, restitution and supports with their sources |
 //! | `studies` | spectra, sweeps, searches, fragility curves |
 //! | `outputs` | files, devices and pipes, formats, JSON, completions, manual pages |
@@ -25,6 +26,7 @@ mod holds;
 mod inputs;
 #[cfg(unix)]
 mod outputs;
+mod portfolio;
 mod program;
 mod pushover;
 mod simulate;

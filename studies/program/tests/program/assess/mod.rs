@@ -427,3 +427,18 @@ fn a_comment_behind_a_value_is_no_other_study() {
     let help = stdout(folder, &["fragility", "--help"]);
     assert!(help.contains("half_cycles:20"), "{help}");
 }
+
+/// A report on an uneven object under both polarities: the runs double, the ground motions do not.
+#[test]
+fn both_polarities_are_one_ground_motion() {
+    let folder = folder(ASSESS);
+    let folder = folder.path();
+    let study = STUDY.replace("p = 2.2", "p = 2.2\neccentricity = 0.03") + "polarity = \"both\"\n" + ASSESS;
+    fs::write(folder.join("study.toml"), study).unwrap();
+    let report = json(folder, &["assess", "study.toml", "--out", "report"]);
+    assert_eq!((report["motions"].as_array().unwrap().len(), &report["reversed"]), (2, &2.into()));
+    assert_eq!(report["runs"], 80);
+    let page = fs::read_to_string(folder.join("report/report.html")).unwrap();
+    assert!(page.contains("80 runs (4 blocks × 2 ground motions in both polarities × 5 strengths)"));
+    assert!(page.contains("computed runs under 2 ground motions in both polarities"));
+}

@@ -10,7 +10,7 @@ use rocking_records::{ReadOptions, Unit, read};
 use rocking_studies::intensity::{Measure, spectral_acceleration};
 use rocking_studies::run::Run;
 
-use crate::program::{Table, files, refused, rocking, stdout, text};
+use crate::program::{RECORD, Table, files, refused, rocking, stdout, text};
 use crate::studies::resumes_to_the_same_bytes;
 
 /// 3 × 2 combinations, two motions, two scales: 24 rows.
@@ -343,4 +343,47 @@ fn wrong_keys_and_values_are_refused_with_their_line() {
     let many = folder(&GRID.replace("epsilon = 0.1", many));
     refused(many.path(), &["sweep", "study.toml", "--csv", "out.csv"], &["too many rows"]);
     refused(many.path(), &["sweep", "none.toml", "--csv", "out.csv"], &["none.toml: cannot be read"]);
+}
+
+/// Both polarities of a record are one motion in two rows: the reversed run of a block is the run of its mirror image.
+#[test]
+fn a_record_in_both_polarities_is_one_motion() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let study = |eccentricity: f64, polarity: &str| {
+        format!(
+            "[study]\ndesign = \"grid\"\nscales = [1, 3, 5]\n[parameters]\nfoundation = \"rigid\"\nalpha = [0.12, 0.15, 0.2]\np = [2, 3]\n\
+             eccentricity = {eccentricity}\n[[records]]\nhorizontal = \"{RECORD}\"\n{polarity}"
+        )
+    };
+    let table = |name: &str, text: String| {
+        std::fs::write(folder.join("study.toml"), text).unwrap();
+        stdout(folder, &["sweep", "study.toml", "--csv", name]);
+        Table::read(&folder.join(name))
+    };
+    let both = table("both.csv", study(0.03, "polarity = \"both\""));
+    let [plain, mirrored] = [0.03, -0.03].map(|e| table(&format!("of_{e}.csv"), study(e, "")));
+    assert_eq!(both.rows.len(), 2 * plain.rows.len());
+    let rows = |table: &Table, reversed: bool| -> Vec<Vec<String>> {
+        let of = |row: &usize| table.get(*row, "record").ends_with(" (reversed)") == reversed;
+        let columns = ["alpha", "p", "scale", "PGA", "PGV", "outcome", "peak.theta/alpha", "peak.H", "end_time"];
+        let cells = |row: usize| columns.map(|column| table.get(row, column).to_string()).to_vec();
+        (0..table.rows.len()).filter(of).map(cells).collect()
+    };
+    assert_eq!(rows(&both, false), rows(&plain, false));
+    assert_eq!(rows(&both, true), rows(&mirrored, false));
+    assert_ne!(rows(&both, true), rows(&both, false));
+
+    let curve = stdout(folder, &["fragility", "both.csv", "--im", "PGV"]);
+    assert!(curve.contains("36 rows") && curve.contains("for the only motion"), "{curve}");
+    for (text, words) in [
+        (study(0.03, "polarity = \"reversed\""), "polarity = \"reversed\"; expected \"as-recorded\" or \"both\""),
+        (
+            study(0.03, "polarity = \"both\"").replace("horizontal", "vertical"),
+            "polarity has no effect without horizontal",
+        ),
+    ] {
+        std::fs::write(folder.join("study.toml"), text).unwrap();
+        refused(folder, &["sweep", "study.toml", "--csv", "x.csv"], &[words]);
+    }
 }
