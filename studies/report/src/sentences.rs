@@ -27,9 +27,9 @@ pub fn verdict(report: &Report, [least, greatest]: [f64; 2]) -> [String; 2] {
     let worst = report.states.last().filter(|worst| worst.limit == Limit::Overturned && worst.runs.at_most() == 0);
     let stands = worst.map_or("", |_| "; it overturns in none of these runs");
     let half = match state.curve.map(|curve| curve.median) {
-        Some(median) if median > greatest => "; the odds are even only in stronger ones".into(),
-        Some(median) if median < least => "; the odds are even in weaker ones already".into(),
-        Some(median) => format!("; the odds are even at {}{unit}", short(median)),
+        Some(median) if median > greatest => "; the fragility curve reaches one half only above these levels".into(),
+        Some(median) if median < least => "; the fragility curve reaches one half below these levels already".into(),
+        Some(median) => format!("; the fragility curve reaches one half at {}{unit}", short(median)),
         None => String::new(),
     };
     let capacity = format!(
@@ -47,7 +47,7 @@ pub fn verdict(report: &Report, [least, greatest]: [f64; 2]) -> [String; 2] {
             let range =
                 range.map(|range| format!(" (rate per year with {} confidence: {range})", percent(report.confidence)));
             format!(
-                "At the site this is expected once in {} years, with a probability of {} in {} years{}.",
+                "At the site this is expected once in {} years on average, with a probability of {} in {} years{}.",
                 years(1.0 / found.rate),
                 percent(found.probability),
                 report.years,
