@@ -6,6 +6,7 @@
 //! | [`attributes`] | types, causalities and limits of variables |
 //! | [`variables`] | modelDescription.xml → a table of variables |
 //! | `fmi3_variables` | values of the parameters that exist only in FMI 3.0 |
+//! | `choice` | a choice in a description → that of the solver |
 //! | `inputs` | the variables of inputs ↔ ramps |
 //! | [`links`] | a restraint of the FMU → the variables of its parameters |
 //! | [`values`] | values of parameters → block, pulse, settings |
@@ -27,6 +28,8 @@ pub mod attributes;
 pub mod variables;
 
 pub(crate) mod fmi3_variables;
+
+mod choice;
 
 pub(crate) mod inputs;
 

@@ -10,6 +10,7 @@ use crate::excitation::{Pulse, PulseShape};
 use crate::numerics::scalar::Elementary;
 use crate::run::{OnOverturning, OnSeparation, Settings};
 use crate::simulation::Initial;
+use crate::unit::choice::{on_overturning, on_separation, pulse_shape};
 use crate::unit::fmi3_variables::Fmi3Values;
 use crate::unit::links::LINKS;
 use crate::unit::variables::{Choice, Parameter, Role, Text, VARIABLES, Variable, choices};
@@ -345,18 +346,7 @@ impl Values {
     /// Returns the pulse with the parameters from `of`.
     pub(super) fn pulse_of<T>(&self, of: impl Fn(Variable) -> T) -> Pulse<T> {
         Pulse {
-            shape: match self.choice(Variable::PulseShape) {
-                choices::PulseShape::None => PulseShape::None,
-                choices::PulseShape::OneSine => PulseShape::OneSine,
-                choices::PulseShape::OneCosine => PulseShape::OneCosine,
-                choices::PulseShape::C1 => PulseShape::C1,
-                choices::PulseShape::C2 => PulseShape::C2,
-                choices::PulseShape::HalfSine => PulseShape::HalfSine,
-                choices::PulseShape::Rectangular => PulseShape::Rectangular,
-                choices::PulseShape::SymmetricRicker => PulseShape::SymmetricRicker,
-                choices::PulseShape::AntisymmetricRicker => PulseShape::AntisymmetricRicker,
-                choices::PulseShape::Gabor => PulseShape::Gabor,
-            },
+            shape: pulse_shape!(self.choice(Variable::PulseShape)),
             amplitude: of(Variable::PulseAmplitude),
             period: of(Variable::PulsePeriod),
             start: of(Variable::PulseStart),
@@ -369,15 +359,8 @@ impl Values {
     pub fn settings(&self, tolerance: Option<f64>) -> Settings {
         Settings {
             tolerance: tolerance.unwrap_or(Settings::default().tolerance),
-            on_separation: match self.choice(Variable::OnSeparation) {
-                choices::OnSeparation::Terminate => OnSeparation::Terminate,
-                choices::OnSeparation::Hold => OnSeparation::Hold,
-                choices::OnSeparation::Fly => OnSeparation::Fly,
-            },
-            on_overturning: match self.choice(Variable::OnOverturning) {
-                choices::OnOverturning::Terminate => OnOverturning::Terminate,
-                choices::OnOverturning::Hold => OnOverturning::Hold,
-            },
+            on_separation: on_separation!(self.choice(Variable::OnSeparation)),
+            on_overturning: on_overturning!(self.choice(Variable::OnOverturning)),
         }
     }
 }

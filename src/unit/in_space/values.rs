@@ -12,6 +12,7 @@ use crate::space::excitation::MAX_PULSES;
 use crate::space::{
     Base, BaseSize, DirectedPulse, FootPlace, SpaceBody, SpaceInitial, SpaceParameters, SpaceSetup, SpaceSupports,
 };
+use crate::unit::choice::{on_overturning, on_separation, pulse_shape};
 use crate::unit::in_space::feet;
 use crate::unit::in_space::fmi3_values::SpaceFmi3Values;
 use crate::unit::in_space::variables::{Choice, Parameter, Role, Text, VARIABLES, Variable, choices};
@@ -210,31 +211,17 @@ impl SpaceValues {
     pub fn setup(&self, tolerance: Option<f64>) -> Result<SpaceSetup, String> {
         let settings = Settings {
             tolerance: tolerance.unwrap_or(Settings::default().tolerance),
-            on_separation: match self.choice(Variable::OnSeparation) {
-                choices::OnSeparation::Terminate => OnSeparation::Terminate,
-                choices::OnSeparation::Hold => OnSeparation::Hold,
-                choices::OnSeparation::Fly => OnSeparation::Fly,
-            },
-            on_overturning: match self.choice(Variable::OnOverturning) {
-                choices::OnOverturning::Terminate => OnOverturning::Terminate,
-                choices::OnOverturning::Hold => OnOverturning::Hold,
-            },
+            on_separation: on_separation!(self.choice(Variable::OnSeparation)),
+            on_overturning: on_overturning!(self.choice(Variable::OnOverturning)),
         };
         let mut pulses = [DirectedPulse::NONE; MAX_PULSES];
         pulses[0] = DirectedPulse::horizontal(self.pulse(), self[Variable::PulseAzimuth]);
         Ok(SpaceSetup { body: self.body()?, settings, pulses })
     }
 
-    /// Returns the shape with the number of the item.
-    fn pulse_shape(&self) -> PulseShape {
-        let number = self[Variable::PulseShape];
-        let shape = PulseShape::ALL.into_iter().find(|&shape| f64::from(shape as i32) == number);
-        shape.unwrap_or_else(|| unreachable!("{number} is checked where it is set"))
-    }
-
     fn pulse(&self) -> Pulse {
         Pulse {
-            shape: self.pulse_shape(),
+            shape: pulse_shape!(self.choice(Variable::PulseShape)),
             amplitude: self[Variable::PulseAmplitude],
             period: self[Variable::PulsePeriod],
             start: self[Variable::PulseStart],
