@@ -10,7 +10,7 @@ EXAMPLES = Path(__file__).resolve().parents[2] / "examples/assess"
 
 
 @pytest.mark.check
-@pytest.mark.parametrize("study", ["pier", "statue", "cabinet"])
+@pytest.mark.parametrize("study", ["pier", "statue", "cabinet", "pillar"])
 def test_the_first_page_has_the_summary_and_its_pictures(program, study, tmp_path):
     pypdf = pytest.importorskip("pypdf")
     chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
