@@ -9,7 +9,7 @@ import binaryen from "binaryen";
 import { build } from "esbuild";
 import { call, start } from "./page/worker.js";
 
-const LARGEST = 1.7e6;
+const LARGEST = 2.5e6;
 const here = dirname(fileURLToPath(import.meta.url));
 const [wasm, version, output] = process.argv.slice(2);
 const read = (path) => readFileSync(join(here, path), "utf8");

@@ -24,7 +24,7 @@ def printed(page):
 
 
 @pytest.mark.check
-@pytest.mark.parametrize("study", ["pier", "statue", "cabinet"])
+@pytest.mark.parametrize("study", ["pier", "statue", "cabinet", "pillar"])
 def test_the_first_page_has_the_summary_and_its_pictures(program, study, tmp_path):
     subprocess.run([program, "assess", f"{study}.toml", "--out", tmp_path], check=True, cwd=EXAMPLES, capture_output=True)
     pages, size = printed(tmp_path / "report.html")

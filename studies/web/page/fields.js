@@ -9,7 +9,11 @@ const on = (field, ...values) => (state) => values.includes(state[field]);
 const all = (...conditions) => (state) => conditions.every((condition) => condition(state));
 
 const record = on("excitation", "embedded", "file");
-const supports = on("foundation", "viscoelastic");
+const plane = on("body", "plane");
+const space = on("body", "space");
+/** A block in space stands on feet, whatever was chosen for the plane. */
+const supports = (state) => space(state) || state.foundation === "viscoelastic";
+const rigid = all(plane, on("foundation", "rigid"));
 const inStiffness = all(on("shape", "size"), on("supports", "stiffness"));
 const inRatios = (state) => !inStiffness(state);
 const gabor = all(on("excitation", "pulse"), on("pulse", "gabor"));
@@ -69,16 +73,19 @@ const PULSES = {
 };
 
 export const FIELDS = [
+  { id: "body", label: "The block moves", kind: "segments", value: "plane", group: "block",
+    options: [["plane", "in a plane"], ["space", "in space"]] },
   { id: "shape", label: "Describe the block by", kind: "segments", value: "size", group: "block",
     options: [["size", "width and height"], ["ratios", "α and p"]] },
   number("width", "Width", "block", { symbol: "2b", value: "0.348", slider: [0.1, 5, "log"], when: on("shape", "size") }),
   number("height", "Height", "block", { symbol: "2h", value: "1.914", slider: [0.3, 20, "log"], when: on("shape", "size"),
     title: "Twice the height of the centre of mass, unless that is given below" }),
+  number("depth", "Depth", "block", { symbol: "2d", value: "0.58", slider: [0.1, 5, "log"], when: space, title: "Of the base, across the width" }),
   number("alpha", "Slenderness", "block", { symbol: "α", slider: [0.05, 0.6], when: on("shape", "ratios") }),
   number("p", "Frequency parameter", "block", { symbol: "p", slider: [0.3, 6, "log"], when: on("shape", "ratios"),
     title: "√(3g/4R) of a rectangle: larger for smaller blocks" }),
 
-  { id: "foundation", label: "Stands on", kind: "segments", value: "viscoelastic", group: "foundation",
+  { id: "foundation", label: "Stands on", kind: "segments", value: "viscoelastic", group: "foundation", when: plane,
     options: [["viscoelastic", "supports"], ["rigid", "rigid base"]] },
   { id: "preset", label: "Supports", kind: "choice", value: "", group: "foundation", when: all(supports, inRatios), preset: ["eta", "xi_v"],
     options: [["", "own values"], ["20,0.1", "soft: η = 20, ξᵥ = 0.1"], ["40,0.1", "of the paper: η = 40, ξᵥ = 0.1"],
@@ -90,30 +97,31 @@ export const FIELDS = [
   number("xi_v", "Damping ratio", "foundation", { symbol: "ξᵥ", slider: [0, 0.6], when: all(supports, inRatios) }),
   number("stiffness", "Stiffness of a support", "foundation", { symbol: "K", value: "6050000", slider: [1e4, 1e10, "log"], when: all(supports, inStiffness) }),
   number("damping", "Damping of a support", "foundation", { symbol: "C", value: "11000", slider: [1e2, 1e8, "log"], when: all(supports, inStiffness) }),
-  number("epsilon", "Restitution of a corner", "foundation", { symbol: "ε", slider: [0, 1] }),
-  number("restitution_factor", "Factor on Housner’s e", "foundation", { slider: [0.8, 1.1], when: on("foundation", "rigid") }),
+  number("kappa", "Horizontal over vertical stiffness", "foundation", { symbol: "κ", value: "1", slider: [0.1, 3, "log"], when: space }),
+  number("epsilon", "Restitution of a corner", "foundation", { symbol: "ε", slider: [0, 1], when: plane }),
+  number("restitution_factor", "Factor on Housner’s e", "foundation", { slider: [0.8, 1.1], when: rigid }),
   { id: "sliding", label: "The feet", kind: "segments", value: "none", group: "foundation",
     options: [["none", "do not slide"], ["friction", "slide with friction"]] },
   number("friction", "Friction", "foundation", { symbol: "μ", value: "0.4", slider: [0.01, 1, "log"], when: on("sliding", "friction") }),
   { id: "surfaces_friction", label: "Friction of", kind: "choice", value: "", group: "foundation", when: on("sliding", "friction"), surfaces: "friction", options: [["", "choose surfaces"]] },
   { id: "surfaces_restitution", label: "Restitution of", kind: "choice", value: "", group: "foundation", surfaces: "restitution_factor",
-    when: on("foundation", "rigid"), options: [["", "choose surfaces"]] },
+    when: rigid, options: [["", "choose surfaces"]] },
 
   number("eccentricity", "Eccentricity", "more", { symbol: "eₓ", slider: [-1, 1], title: "The centre of mass to the right of the middle" }),
   number("center_height", "Height of the centre of mass", "more", { hint: "half the height", when: on("shape", "size") }),
-  number("inertia", "Moment of inertia", "more", { symbol: "I₀", hint: "from γ", when: on("shape", "size"),
+  number("inertia", "Moment of inertia", "more", { symbol: "I₀", hint: "from γ", when: all(plane, on("shape", "size")),
     title: "About the centre of mass" }),
   number("mass", "Mass", "more", { symbol: "M" }),
   number("gamma", "Shape factor", "more", { symbol: "γ", title: "M R₀²/I₀; 3 for a homogeneous rectangle",
-    when: (state) => state.shape !== "size" || state.inertia.trim() === "" }),
+    when: (state) => space(state) || state.shape !== "size" || state.inertia.trim() === "" }),
   number("g", "Gravity", "more", { symbol: "g" }),
 
-  { id: "tie", label: "Tied to the ground", kind: "segments", value: "none", group: "tie", options: [["none", "no"], ["one", "by one tie"], ["two", "by two"]] },
-  ...tie(1, "2", on("tie", "one", "two")),
-  ...tie(2, "-2", on("tie", "two")),
-  { id: "damper", label: "Damped", kind: "segments", value: "none", group: "tie", options: [["none", "no"], ["one", "by one damper"], ["two", "by two"]] },
-  ...damper(1, "-0.174", on("damper", "one", "two")),
-  ...damper(2, "0.174", on("damper", "two")),
+  { id: "tie", label: "Tied to the ground", kind: "segments", value: "none", group: "tie", when: plane, options: [["none", "no"], ["one", "by one tie"], ["two", "by two"]] },
+  ...tie(1, "2", all(plane, on("tie", "one", "two"))),
+  ...tie(2, "-2", all(plane, on("tie", "two"))),
+  { id: "damper", label: "Damped", kind: "segments", value: "none", group: "tie", when: plane, options: [["none", "no"], ["one", "by one damper"], ["two", "by two"]] },
+  ...damper(1, "-0.174", all(plane, on("damper", "one", "two"))),
+  ...damper(2, "0.174", all(plane, on("damper", "two"))),
 
   { id: "excitation", label: "Moved by", kind: "segments", value: "embedded", group: "ground",
     options: [["embedded", "Loma Prieta"], ["file", "own record"], ["pulse", "pulse"], ["release", "release"]] },
@@ -126,7 +134,9 @@ export const FIELDS = [
   number("phase", "Phase", "ground", { symbol: "ν", value: "0", slider: [-3.14, 3.14], when: gabor }),
   number("cycles", "Duration in periods", "ground", { symbol: "γ", value: "2", slider: [1, 5], when: gabor }),
   { id: "tilt", label: "Tilt at release", symbol: "θ/α", unit: "1", value: "0.6", slider: [-0.99, 0.99], group: "ground", when: on("excitation", "release") },
-  { id: "theta_dot", label: "Velocity at release", symbol: "θ̇", unit: "rad/s", value: "0", slider: [-2, 2], group: "ground", when: on("excitation", "release") },
+  { id: "azimuth", label: "Direction from x towards y", symbol: "φ", unit: "°", value: "30", slider: [0, 360], group: "ground", when: space,
+    title: "That of the record, of the pulse or of the tilt, seen from above" },
+  { id: "theta_dot", label: "Velocity at release", symbol: "θ̇", unit: "rad/s", value: "0", slider: [-2, 2], group: "ground", when: all(plane, on("excitation", "release")) },
   ...settings("", "file", on("excitation", "file")),
   { id: "vertical", label: "Vertical motion", kind: "segments", value: "none", group: "vertical", when: record,
     options: [["none", "none"], ["file", "from a file"]] },

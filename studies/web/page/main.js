@@ -9,6 +9,7 @@ import { slotsOf, watchDrops } from "./files.js";
 import { Player } from "./player.js";
 import { Histories } from "./plots.js";
 import { Scene } from "./scene.js";
+import { SceneInSpace } from "./scene_in_space.js";
 import { setUpStudies } from "./studies.js";
 import { showOutcome } from "./summary.js";
 
@@ -34,10 +35,10 @@ function showFields() {
     box.hidden = Boolean(field.when && !field.when(state));
     show(valueOf(field));
   }
-  document.querySelectorAll("details[data-when]").forEach((details) => {
-    const needed = details.dataset.when === "file" ? ["file"] : ["file", "embedded"];
-    details.hidden = !needed.includes(state.excitation);
-  });
+  const needed = { plane: state.body === "plane", file: state.excitation === "file", record: ["file", "embedded"].includes(state.excitation) };
+  document.querySelectorAll("[data-when]").forEach((part) => (part.hidden = !needed[part.dataset.when]));
+  $("plots").hidden = !needed.plane;
+  $("pictures").hidden = needed.plane;
 }
 
 function valueOf({ id, slot, surfaces, preset, options }) {
@@ -215,11 +216,35 @@ function faultsOfShowing(reply, buffer) {
 }
 
 function draw(run) {
+  if (run.in_space) return drawInSpace(run);
   scene.setBlock(run.block, reachOf(run));
+  player.scene = scene;
   $("scene").setAttribute("aria-label", `The moving block. ${run.sentence}`);
   player.histories.show(run);
   player.show(run);
   showOutcome(run);
+}
+
+/** Shows a run in space; its pictures are those of the engine. */
+function drawInSpace(run) {
+  sceneInSpace.setBlock(run);
+  player.scene = sceneInSpace;
+  $("scene").setAttribute("aria-label", `The moving block. ${run.sentence}`);
+  player.show(run);
+  showOutcome(run);
+  showPictures(run);
+}
+
+/** Shows the pictures of a run, unless another took its place meanwhile. */
+async function showPictures(run) {
+  const shown = [];
+  for (const [plan, alt] of [[false, "Tilt, twist, forces, contacts and slip of the feet over time"], [true, "Paths of the base and of the centre of mass, seen from above"]]) {
+    const { reply, buffer } = await engine.call({ op: "svg", run: run.number, plan });
+    if (!reply.ok) return;
+    const src = URL.createObjectURL(new Blob([buffer], { type: "image/svg+xml" }));
+    shown.push(element("img", { src, alt, onload: () => URL.revokeObjectURL(src) }));
+  }
+  $("pictures").replaceChildren(...shown);
 }
 
 /** Greatest horizontal distance of the block's corners from the middle of its base at rest (m). */
@@ -234,6 +259,7 @@ function reachOf({ series: { theta, u }, block: { b, h, height, eccentricity, li
 }
 
 const scene = new Scene($("scene"));
+const sceneInSpace = new SceneInSpace($("scene"));
 const player = new Player(scene, new Histories($("plots"), (time) => player.seek(time)));
 
 // ---------------------------------------------------------------- start

@@ -25,7 +25,7 @@ export class Player {
   /** Shows a new run: at its greatest tilt until the user has chosen a time. */
   show(run) {
     this.#run = run;
-    const { t, theta } = run.series;
+    const { t, theta = run.series.tilt } = run.series;
     [$("time").min, $("time").max] = [t[0], t[t.length - 1]];
     this.#setTime(this.#playing || this.#chosen ? this.#time : t[indexOfPeak(theta)]);
   }
@@ -54,9 +54,9 @@ export class Player {
     const [low, high] = around(t, time);
     const part = t[high] > t[low] ? (time - t[low]) / (t[high] - t[low]) : 0;
     const at = (name) => series[name][low] + part * (series[name][high] - series[name][low]);
-    const pose = Object.fromEntries(["theta", "u", "v", "uplift_L", "uplift_R", "a_gx"].map((name) => [name, at(name)]));
-    this.scene.pose({ ...pose, broken: broken.map((at) => at !== null && at <= time) });
-    this.histories.setTime(time);
+    const pose = Object.fromEntries(this.scene.series.map((name) => [name, at(name)]));
+    this.scene.pose({ ...pose, broken: broken?.map((at) => at !== null && at <= time) });
+    if (!this.#run.in_space) this.histories.setTime(time);
     $("time").value = time;
     $("time").setAttribute("aria-valuetext", `${time.toFixed(2)} seconds`);
     $("clock").textContent = `${time.toFixed(2)} s`;

@@ -2,7 +2,7 @@
 
 const NS = "http://www.w3.org/2000/svg";
 
-function add(parent, name, attributes = {}) {
+export function add(parent, name, attributes = {}) {
   const element = parent.appendChild(document.createElementNS(NS, name));
   for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
   return element;
@@ -15,6 +15,9 @@ function placed([x, y], theta, [cx, cy]) {
 }
 
 export class Scene {
+  /** The series of a pose. */
+  series = ["theta", "u", "v", "uplift_L", "uplift_R", "a_gx"];
+
   constructor(svg) {
     this.svg = svg;
     this.world = add(svg, "g");
@@ -31,6 +34,7 @@ export class Scene {
     this.unit = size / 100;
     this.support = support;
     const below = support + 0.17 * size;
+    this.svg.replaceChildren(this.world);
     this.svg.setAttribute("viewBox", `${-reach} ${-1.1 * high} ${2 * reach} ${1.1 * high + below}`);
     this.world.replaceChildren();
     const u = this.unit;

@@ -14,6 +14,16 @@ export function showOutcome(reply) {
     announceTimer = setTimeout(() => ($("outcome").textContent = announced = reply.sentence), announced ? 60 : 0);
   }
   $("warnings").replaceChildren(...reply.warnings.map((text) => element("li", { textContent: text })));
+  const { block } = reply;
+  const rows = reply.numbers ?? ofPlane(reply);
+  const list = rows.flatMap(([name, value]) => [element("dt", { textContent: name }), element("dd", { textContent: value })]);
+  list.push(element("dd", { className: "wide", textContent: `${reply.description}. ${block.line}` }));
+  $("numbers").replaceChildren(...list);
+  $("command").textContent = reply.command;
+}
+
+/** The numbers of a run in the plane; those of one in space are the engine's. */
+function ofPlane(reply) {
   const { peak, block } = reply;
   const rows = [
     ["Greatest tilt |θ|/α", peak.ratio],
@@ -30,8 +40,5 @@ export function showOutcome(reply) {
     rows.push([`Greatest ${quantity} of ${name}`, `${force} N`]);
     if (peak.plastic[i] !== null) rows.push([`Greatest plastic elongation of ${name}`, `${peak.plastic[i]} mm`]);
   });
-  const list = rows.flatMap(([name, value]) => [element("dt", { textContent: name }), element("dd", { textContent: value })]);
-  list.push(element("dd", { className: "wide", textContent: `${reply.description}. ${block.line}` }));
-  $("numbers").replaceChildren(...list);
-  $("command").textContent = reply.command;
+  return rows;
 }

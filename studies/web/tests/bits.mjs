@@ -39,7 +39,8 @@ function compare(ask, fields) {
   assert.ok(run.ok, JSON.stringify(run.errors));
   assert.ok(run.rows > 100);
   const table = ask({ op: "csv" }).bytes;
-  assert.equal(table.toString().split("\n").length, run.rows + 2);
+  // In space a line before the headings names the model.
+  assert.equal(table.toString().split("\n").length, run.rows + (run.in_space ? 3 : 2));
   assert.ok(table.equals(rocking(run.command, { "history.csv": "-" })), `the table of ${run.command}`);
   const svg = rocking(run.command.replace("--csv history.csv", "--plot - --plot-format svg"));
   assert.ok(ask({ op: "svg" }).bytes.equals(svg), `the picture of ${run.command}`);
@@ -50,6 +51,40 @@ test("the embedded record gives the bytes of the program", () => {
   compare(page(), {});
   const alone = compare(page(), { shape: "ratios", alpha: "0.15", p: "2", xi_v: "0.2", scale: "1", on_separation: "terminate" });
   assert.equal(alone.command, "rocking simulate --alpha 0.15 --p 2 --xi-v 0.2 --csv history.csv");
+});
+
+/** Blocks in space: size or ratios, feet by η and ξ_v or by K and C, friction, under each kind of motion and in several directions. */
+const IN_SPACE = {
+  "under the embedded record": { scale: "2" },
+  "under a pulse along a diagonal": { excitation: "pulse", amplitude: "2.5", azimuth: "57.5", kappa: "0.6", depth: "0.9" },
+  "released in a direction": { excitation: "release", tilt: "0.4", azimuth: "200", sliding: "friction", friction: "0.3" },
+  "in ratios": { shape: "ratios", alpha: "0.2", p: "2", depth: "0.7", excitation: "pulse", amplitude: "3", azimuth: "0", on_separation: "terminate" },
+  "on springs": { supports: "stiffness", mass: "900", eccentricity: "0.05", excitation: "pulse", amplitude: "2", duration: "4", step: "0.02", tolerance: "1e-7" },
+};
+for (const [name, fields] of Object.entries(IN_SPACE)) {
+  test(`a block in space ${name} gives the bytes of the program`, () => {
+    const ask = page();
+    const run = compare(ask, { body: "space", ...fields });
+    assert.ok(run.in_space && run.numbers.length > 4 && run.units.length === run.series.length);
+    // The first series is that of the table, and pieces make the whole.
+    const lines = ask({ op: "csv" }).bytes.toString().trimEnd().split("\n");
+    assert.equal(run.bytes.readDoubleLE(8 * (run.rows - 1)), Number(lines.at(-1).split(",")[0]));
+    const pieces = [[0, 40], [40, run.rows]].map(([from, to]) => ask({ op: "csv", from, to }).bytes);
+    assert.ok(Buffer.concat(pieces).equals(ask({ op: "csv" }).bytes));
+    assert.match(ask({ op: "svg", plan: true }).bytes.toString(), /middle of the base/);
+  });
+}
+
+test("what a block in space does not have is refused beside its field", () => {
+  const ask = page();
+  const refused = (fields) => ask({ op: "run", fields: { ...DEFAULTS, body: "space", ...fields } }).errors ?? [];
+  assert.equal(refused({ depth: "0" })[0].field, "depth");
+  assert.equal(refused({ xi_v: "0" })[0].field, "xi_v");
+  assert.equal(refused({ azimuth: "north" })[0].field, "azimuth");
+  assert.equal(refused({ eccentricity: "0.3" })[0].field, "eccentricity");
+  assert.deepEqual(refused({ foundation: "rigid", tie: "one" }), [], "choices of the plane stay unread");
+  const study = ask({ op: "spectrum", fields: { ...DEFAULTS, body: "space" } });
+  assert.match(study.errors[0].message, /for a block in the plane/);
 });
 
 // Pulses, a small block, free motion, supports and the rigid base.

@@ -1,5 +1,7 @@
 //! A history in space → a CSV table.
 
+use std::ops::Range;
+
 use rocking_block::space::SpaceParameters;
 use rocking_block::space::outputs::FootObservation;
 
@@ -114,15 +116,18 @@ pub fn columns(parameters: &SpaceParameters) -> Vec<ColumnInSpace> {
     of_block.chain(of_feet).collect()
 }
 
-/// Returns the rows as CSV, after a line that says what they are. Numbers have the digits that restore them exactly.
+/// Returns some rows as CSV, the first one after a line that says what they are and the headings. Numbers have the digits that restore them exactly.
 ///
 /// # Errors
 /// None in practice: the text is written to memory.
-pub fn csv(parameters: &SpaceParameters, history: &HistoryInSpace) -> Result<Vec<u8>, csv::Error> {
+pub fn csv(parameters: &SpaceParameters, history: &HistoryInSpace, rows: Range<usize>) -> Result<Vec<u8>, csv::Error> {
     let (columns, feet) = (columns(parameters), foot_names(parameters).len());
-    let mut writer = csv::Writer::from_writer(format!("# block in space on {feet} feet\n").into_bytes());
-    writer.write_record(columns.iter().map(|column| format!("{} [{}]", column.name, column.unit)))?;
-    for row in &history.rows {
+    let head = if rows.start == 0 { format!("# block in space on {feet} feet\n") } else { String::new() };
+    let mut writer = csv::Writer::from_writer(head.into_bytes());
+    if rows.start == 0 {
+        writer.write_record(columns.iter().map(|column| format!("{} [{}]", column.name, column.unit)))?;
+    }
+    for row in &history.rows[rows] {
         writer.write_record(columns.iter().map(|column| column.value(row).to_string()))?;
     }
     Ok(writer.into_inner().map_err(csv::IntoInnerError::into_error)?)

@@ -54,9 +54,12 @@ impl CommandLine {
     /// Adds the given parameters of a block in space.
     pub fn block_in_space(&mut self, shared: &BlockSpec, space: &SpaceSpec) -> &mut CommandLine {
         let own = space.clone().numbers_mut().map(|(name, value)| (name, *value));
-        let numbers = shared.numbers().into_iter().chain(own);
+        let own = own.into_iter().filter_map(|(name, value)| Some((name, value?)));
+        let mass = shared.mass.filter(|_| space.inertia_tensor.is_some()).map(|mass| ("mass", mass));
+        let is_other = |(name, _): &(&str, f64)| mass.is_none_or(|(known, _)| known != *name);
         // Friction without a limit is the default.
-        for (name, value) in numbers.filter_map(|(name, value)| Some((name, value.filter(|x| x.is_finite())?))) {
+        let shared = shared.explicit().filter(is_other).filter(|(_, value)| value.is_finite());
+        for (name, value) in shared.chain(mass).chain(own) {
             self.option(&option(name), value);
         }
         if let Some(base) = space.base {

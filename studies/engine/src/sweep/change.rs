@@ -270,6 +270,38 @@ mod tests {
         near(sliding.p, 2.0);
     }
 
+    #[test]
+    fn a_change_in_space_leaves_the_rest_of_the_block() {
+        let size = BaseSize::Lengths { width: 0.6, center_height: 1.5 };
+        let supports = SpaceSupports::OfRocking { eta: 50.0, xi_v: 0.1 };
+        let base = Base::Rectangle { size, depth_ratio: 1.5 };
+        let parameters = SpaceParameters { base, supports, kappa: 0.7, friction: 0.6, ..SpaceParameters::default() };
+        let before = SpaceBody::new(&parameters).unwrap();
+        let changed =
+            |change: Change| SpaceBody::new(&change.in_space(parameters.clone(), &before)?).map_err(SpecError::from);
+        let wider = changed(Change::Width(1.2)).unwrap();
+        for (foot, old) in wider.feet.iter().zip(&before.feet) {
+            near(foot.place.x, 1.2 * old.place.x);
+            near(foot.place.y, 1.2 * old.place.y);
+        }
+        let springs =
+            |body: &SpaceBody| [body.stiffness, body.damping, body.horizontal_stiffness, body.horizontal_damping];
+        springs(&wider).into_iter().zip(springs(&before)).for_each(|(new, old)| near(new, old));
+        assert_eq!((wider.inertia, wider.mass, wider.friction), (before.inertia, before.mass, 0.6));
+        let softer = changed(Change::StiffnessRatio(0.5)).unwrap();
+        let factors = [0.25, 0.5, 0.25, 0.5];
+        springs(&softer)
+            .into_iter()
+            .zip(springs(&before))
+            .zip(factors)
+            .for_each(|((new, old), factor)| near(new, factor * old));
+        near(softer.xi_v, 0.1);
+        near(changed(Change::DampingRatio(2.0)).unwrap().xi_v, 0.2);
+        near(changed(Change::FrictionOverThreshold(0.8)).unwrap().friction, 0.8 * 0.3 / 1.5);
+        let message = changed(Change::Tied(5.0)).unwrap_err().spelled(str::to_owned);
+        assert_eq!(message, "ties is for a block in the plane; expected a change without it");
+    }
+
     /// The ties of a tilted block pull it back. Their moment about the corner grows with the stiffness.
     #[test]
     fn ties_join_those_of_the_block() {

@@ -144,8 +144,8 @@ impl Damping {
         let block = block(&self.block)?;
         let (settings, width) = (self.search.settings()?, self.search.processor.width());
         self.search.search(
-            "xi_v",
-            "",
+            Summary::default(),
+            ("xi_v", ""),
             &scan,
             |progress| Ok(search::damping_against_separation(&block, rate, settings, &scan, width, progress)?),
             OutcomeMap::damping_against_separation,
@@ -187,24 +187,27 @@ impl Overturning {
             let pulse = self.pulse(x, vertical)?;
             let at_rest = RunInSpace::at_rest(parameters, body, settings);
             let run = RunInSpace { ground, ..at_rest.with_pulse(pulse.unwrap_or(Pulse::NONE), self.second.azimuth) };
-            return self.search(&run, pulse.is_some());
+            let mut head = Summary::default();
+            head.item("model", "block in space", "model", "block in space");
+            return self.search(&run, pulse.is_some(), head);
         }
         let block = block(&self.block)?;
         let ground = self.accelerograms.read(block.gravity)?.swap_remove(0);
         let pulse = self.pulse(ground.horizontal.is_some(), ground.vertical.is_some())?;
         let run = Run { ground, pulse: pulse.unwrap_or(Pulse::NONE), ..Run::at_rest(block, settings) };
-        self.search(&run, pulse.is_some())
+        self.search(&run, pulse.is_some(), Summary::default())
     }
 
-    fn search<E: Shaken>(&self, run: &E, is_pulse: bool) -> anyhow::Result<()> {
+    /// Searches the strengths of a run, whose summary begins with `head`.
+    fn search<E: Shaken>(&self, run: &E, is_pulse: bool, head: Summary) -> anyhow::Result<()> {
         let (name, unit) = if is_pulse { ("a_p", " m/s2") } else { ("scale", "") };
         let [least, greatest] = run.usual_strengths();
         let (from, to) = (self.from.unwrap_or(least), self.to.unwrap_or(greatest));
         let scan = self.search.scan(from, to, self.resolution)?;
         let width = self.search.processor.width();
         self.search.search(
-            name,
-            unit,
+            head,
+            (name, unit),
             &scan,
             |progress| Ok(search::overturning(run, &scan, width, progress)),
             OutcomeMap::overturning,
@@ -260,11 +263,11 @@ impl SearchOptions {
 
     /// Searches, writes the table and prints the summary.
     ///
-    /// `threshold` extracts the number from the result, `answer` puts it into a sentence.
+    /// The summary begins with `head`; `threshold` extracts the number from the result, `answer` puts it into a sentence.
     fn search(
         &self,
-        name: &str,
-        unit: &str,
+        head: Summary,
+        (name, unit): (&str, &str),
         scan: &Scan,
         search: impl FnOnce(search::SearchProgress) -> anyhow::Result<OutcomeMap<End>> + Send,
         threshold: impl FnOnce(&OutcomeMap<End>) -> Threshold,
@@ -285,7 +288,7 @@ impl SearchOptions {
         let threshold = threshold(&found);
         let shown = |value: f64| rounded(value, scan.resolution);
         let answer = answer(&found, threshold, &shown);
-        let mut summary = Summary::default();
+        let mut summary = head;
         for (from, to, end) in &stretches {
             summary.text += &format!("{name} = {} to {}{unit}: {end}\n", shown(*from), shown(*to));
         }

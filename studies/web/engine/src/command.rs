@@ -8,9 +8,25 @@ use rocking_studies::spec::words::Words;
 use crate::inputs::{Excitation, Inputs, Vertical};
 use crate::records::{self, EMBEDDED_PATH};
 
-/// Adds the records and their scale factor, or the pulse.
+/// Adds the records and their scale factor, the pulse, or the initial state of a release.
 pub fn add_excitation(line: &mut CommandLine, inputs: &Inputs, vertical: &Vertical, names_embedded: bool) {
-    match &inputs.excitation {
+    let Inputs { excitation, run, scale, .. } = inputs;
+    if *excitation == Excitation::Release {
+        let Initial { theta, theta_dot, .. } = run.initial;
+        line.unless("theta", theta, 0.0).unless("theta-dot", theta_dot, 0.0);
+    }
+    add_motion(line, (excitation, vertical), &run.pulse, *scale, names_embedded);
+}
+
+/// Adds the records and their scale factor, or the pulse.
+pub fn add_motion(
+    line: &mut CommandLine,
+    (excitation, vertical): (&Excitation, &Vertical),
+    pulse: &Pulse,
+    scale: f64,
+    names_embedded: bool,
+) {
+    match excitation {
         Excitation::Embedded if names_embedded || vertical.is_some() => {
             line.option("record", EMBEDDED_PATH);
         }
@@ -19,20 +35,17 @@ pub fn add_excitation(line: &mut CommandLine, inputs: &Inputs, vertical: &Vertic
             add_file(line, "record", name, settings);
         }
         Excitation::Pulse => {
-            let Pulse { shape, amplitude, period, phase, cycles, .. } = inputs.run.pulse;
+            let Pulse { shape, amplitude, period, phase, cycles, .. } = *pulse;
             let default = Pulse::NONE;
             line.option("pulse", shape.word()).option("amplitude", amplitude).unless("period", period, default.period);
             line.unless("phase", phase, default.phase).unless("cycles", cycles, default.cycles);
         }
-        Excitation::Release => {
-            let Initial { theta, theta_dot, .. } = inputs.run.initial;
-            line.unless("theta", theta, 0.0).unless("theta-dot", theta_dot, 0.0);
-        }
+        Excitation::Release => (),
     }
     if let Some((name, settings)) = vertical {
         add_file(line, "vertical", name, settings);
     }
-    line.unless("scale", inputs.scale, 1.0);
+    line.unless("scale", scale, 1.0);
 }
 
 fn add_file(line: &mut CommandLine, option: &str, name: &str, settings: &records::Settings) {

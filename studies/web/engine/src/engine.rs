@@ -12,6 +12,7 @@ use rocking_studies::output::csv::lines;
 use rocking_studies::output::runner::Study as Rows;
 use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::{History, Row, Run, table};
+use rocking_studies::space::{HistoryInSpace, RunInSpace};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -20,7 +21,7 @@ use crate::fields::{FieldError, Fields};
 use crate::inputs::{self, Inputs, Vertical};
 use crate::records::DroppedFile;
 use crate::specification::specification;
-use crate::{command, outcome, spectrum};
+use crate::{command, outcome, space, spectrum};
 
 /// A request of the page.
 #[derive(Debug, Deserialize)]
@@ -55,6 +56,9 @@ pub enum Request {
     Svg {
         /// As of `Csv`.
         run: Option<u64>,
+        /// Whether that of a block in space is the one from above.
+        #[serde(default)]
+        plan: bool,
     },
     /// Units, defaults and choices of the fields, for the build.
     Specification,
@@ -127,10 +131,15 @@ pub struct Engine {
 /// The last run, for its exports.
 struct LastRun {
     number: u64,
-    run: Run,
-    history: History,
+    made: Made,
     /// The excitation in words.
     description: String,
+}
+
+/// A run with its history.
+enum Made {
+    Plane(Box<(Run, History)>),
+    Space(Box<(RunInSpace, HistoryInSpace)>),
 }
 
 #[derive(Serialize)]
@@ -152,7 +161,7 @@ impl Engine {
             }
             Request::Run { number, fields } => self.run(number, &fields),
             Request::Csv { run, from, to } => self.csv(run, from, to),
-            Request::Svg { run } => self.svg(run),
+            Request::Svg { run, plan } => self.svg(run, plan),
             Request::Specification => Ok((specification(), Vec::new())),
             Request::Surfaces => Ok((json!({ "pairs": foundations::pairs() }), Vec::new())),
             Request::Spectrum { fields } => self.spectrum(&fields),
@@ -169,10 +178,19 @@ impl Engine {
     }
 
     fn inputs(&self, fields: Fields) -> Result<(Inputs, Vertical), Vec<FieldError>> {
+        if fields.text("body") == "space" {
+            return Err(refused(
+                "studies of this page are for a block in the plane; rocking sweep makes them in space",
+            ));
+        }
         inputs::read(fields, [self.files[0].as_ref(), self.files[1].as_ref()])
     }
 
     fn run(&mut self, number: u64, fields: &BTreeMap<String, String>) -> Answer {
+        let mut read = Fields::new(fields);
+        if read.one_of("body", &["plane", "space"]) == "space" {
+            return self.run_in_space(number, read);
+        }
         let (inputs, vertical) = self.inputs(Fields::new(fields))?;
         let run = &inputs.run;
         let history = run.history(|_| ()).map_err(|error| vec![FieldError::new("tolerance", error.to_string())])?;
@@ -204,7 +222,21 @@ impl Engine {
         };
         SERIES.iter().for_each(|(_, value)| push(value));
         of_block.iter().for_each(|column| push(&|row| column.value(row)));
-        self.last = Some(LastRun { number, run: inputs.run, history, description: inputs.description });
+        let made = Made::Plane(Box::new((inputs.run, history)));
+        self.last = Some(LastRun { number, made, description: inputs.description });
+        Ok((json, bytes))
+    }
+
+    fn run_in_space(&mut self, number: u64, fields: Fields) -> Answer {
+        let inputs = space::read(fields, [self.files[0].as_ref(), self.files[1].as_ref()])?;
+        let history =
+            inputs.run.history(|_| ()).map_err(|error| vec![FieldError::new("tolerance", error.to_string())])?;
+        let json = space::reply(number, &inputs, &history);
+        let columns = space::shown(&inputs.run);
+        let values = columns.iter().flat_map(|column| history.rows.iter().map(|row| column.value(row)));
+        let bytes = values.flat_map(f64::to_le_bytes).collect();
+        let made = Made::Space(Box::new((inputs.run, history)));
+        self.last = Some(LastRun { number, made, description: inputs.description });
         Ok((json, bytes))
     }
 
@@ -220,16 +252,27 @@ impl Engine {
     }
 
     fn csv(&self, run: Option<u64>, from: usize, to: Option<usize>) -> Answer {
-        let LastRun { run, history, .. } = self.last(run)?;
-        let count = history.rows.len();
+        let made = &self.last(run)?.made;
+        let count = match made {
+            Made::Plane(made) => made.1.rows.len(),
+            Made::Space(made) => made.1.rows.len(),
+        };
         let to = to.unwrap_or(count).min(count);
-        let bytes = table::csv(&run.block, history, &[], from.min(to)..to).map_err(refused)?;
-        Ok((json!({ "rows": count }), bytes))
+        let rows = from.min(to)..to;
+        let bytes = match made {
+            Made::Plane(made) => table::csv(&made.0.block, &made.1, &[], rows),
+            Made::Space(made) => rocking_studies::space::table::csv(&made.0.parameters, &made.1, rows),
+        };
+        Ok((json!({ "rows": count }), bytes.map_err(refused)?))
     }
 
-    fn svg(&self, run: Option<u64>) -> Answer {
-        let LastRun { run, history, description, .. } = self.last(run)?;
-        let svg = rocking_charts::history::history(&run.block, history, description);
+    fn svg(&self, run: Option<u64>, plan: bool) -> Answer {
+        let LastRun { made, description, .. } = self.last(run)?;
+        let svg = match made {
+            Made::Plane(made) => rocking_charts::history::history(&made.0.block, &made.1, description),
+            Made::Space(made) if plan => rocking_charts::plan::plan(&made.0, &made.1, description),
+            Made::Space(made) => rocking_charts::history_in_space::history(&made.0, &made.1, description),
+        };
         let svg = svg.map_err(refused)?;
         Ok((json!({}), svg.into_bytes()))
     }

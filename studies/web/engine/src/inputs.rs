@@ -11,6 +11,7 @@ use rocking_records::Record;
 use rocking_studies::doubts;
 use rocking_studies::intensity::pga;
 use rocking_studies::run::Run;
+use rocking_studies::spec::space::OF_PLANE;
 use rocking_studies::spec::{self, BlockSpec, GaborSpec, PulseSpec, SingleRunSpec, SpecError, limits, option};
 
 use crate::fields::{FieldError, Fields};
@@ -65,31 +66,19 @@ pub type Vertical = Option<(String, records::Settings)>;
 /// # Errors
 /// One for each field at fault.
 pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inputs, Vertical), Vec<FieldError>> {
-    let (mut spec, body_height) = spec(&mut fields);
+    let (mut spec, body_height) = spec(&mut fields, false);
     let block = match fields.has_errors() {
         true => None,
         false => block(&mut fields, &spec),
     };
     let block = tied(&mut fields, block);
     spec.hold = spec.hold.with_links(block.as_ref().map_or(&[], |block| block.ties()));
-    let (excitation, vertical) = excitation(&mut fields, files);
-    let pulse = match excitation {
-        Excitation::Pulse => pulse(&mut fields),
-        _ => Pulse::NONE,
-    };
-    let (unscaled, doubtful) = records::ground(&mut fields, files, spec.gravity());
-    let scale = match excitation {
-        Excitation::Embedded | Excitation::File { .. } => fields.number("scale", |_| true, "a finite factor"),
-        Excitation::Pulse | Excitation::Release => 1.0,
-    };
+    let Shaking { excitation, vertical, pulse, unscaled, scale, doubtful, settings, duration, step } =
+        shaking(&mut fields, files, spec.gravity());
     let (tilt, theta_dot) = match excitation {
         Excitation::Release => release(&mut fields),
         _ => (0.0, 0.0),
     };
-    let limits = limits::properties::<SingleRunSpec>();
-    let tolerance = fields.required("tolerance", &limits["tolerance"]);
-    let on_separation = fields.choice("on_separation");
-    let [duration, step] = ["duration", "step"].map(|field| fields.limited(field, &limits[field]));
     let Some(block) = block else { return Err(fields.into_errors()) };
     if fields.has_errors() {
         return Err(fields.into_errors());
@@ -100,29 +89,74 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
     }
     let ground = unscaled.clone().scaled(scale);
     let output_step = step.or(ground.time_step()).unwrap_or(0.01);
-    let settings = Settings { tolerance, on_separation, ..Settings::default() };
     let initial = Initial { theta, theta_dot, ..Initial::default() };
     let description = describe(&excitation, &vertical, &ground, &pulse, block.gravity);
     let mut warnings = doubts::of_blocks([block]);
     warnings.extend(doubts::of_pulses([(pulse, block.gravity)], !ground.is_empty()));
     warnings.extend(doubtful);
     let run = Run { block, settings, initial, pulse, ground, duration, output_step };
-    let rows = run.longest_duration() / output_step;
-    // A page keeps all rows in memory.
-    if rows > 4e6 {
-        let field = if step.is_some() { "step" } else { "duration" };
-        fields.refuse(FieldError::new(field, format!("found {rows:.0} rows; expected at most 4000000")));
-    }
+    check_rows(&mut fields, run.longest_duration() / output_step, step);
     let body_height = body_height.unwrap_or(2.0 * block.h);
     let inputs = Inputs { run, unscaled, scale, spec, body_height, excitation, step, description, warnings };
     fields.finish((inputs, vertical))
 }
 
-/// The parameters of the block without its ties. The second value is the height of the body (m), if it is given.
-fn spec(fields: &mut Fields) -> (BlockSpec, Option<f64>) {
+/// Refuses more rows than a page keeps in memory.
+pub fn check_rows(fields: &mut Fields, rows: f64, step: Option<f64>) {
+    if rows > 4e6 {
+        let field = if step.is_some() { "step" } else { "duration" };
+        fields.refuse(FieldError::new(field, format!("found {rows:.0} rows; expected at most 4000000")));
+    }
+}
+
+/// The motion of the ground and the settings of a run, the same for any body.
+pub struct Shaking {
+    /// Kind of excitation.
+    pub excitation: Excitation,
+    /// The vertical file.
+    pub vertical: Vertical,
+    /// The pulse, if it is the excitation.
+    pub pulse: Pulse,
+    /// The records before scaling.
+    pub unscaled: Ground,
+    /// Factor on the records.
+    pub scale: f64,
+    /// Doubts about the records.
+    pub doubtful: Vec<String>,
+    /// Settings of the integration.
+    pub settings: Settings,
+    /// Duration (s), if given.
+    pub duration: Option<f64>,
+    /// Time between rows, if given (s).
+    pub step: Option<f64>,
+}
+
+/// Reads the motion of the ground and the settings; this gravity (m/s²) converts records in g.
+pub fn shaking(fields: &mut Fields, files: [Option<&DroppedFile>; 2], gravity: f64) -> Shaking {
+    let (excitation, vertical) = excitation(fields, files);
+    let pulse = match excitation {
+        Excitation::Pulse => pulse(fields),
+        _ => Pulse::NONE,
+    };
+    let (unscaled, doubtful) = records::ground(fields, files, gravity);
+    let scale = match excitation {
+        Excitation::Embedded | Excitation::File { .. } => fields.number("scale", |_| true, "a finite factor"),
+        Excitation::Pulse | Excitation::Release => 1.0,
+    };
+    let limits = limits::properties::<SingleRunSpec>();
+    let tolerance = fields.required("tolerance", &limits["tolerance"]);
+    let on_separation = fields.choice("on_separation");
+    let [duration, step] = ["duration", "step"].map(|field| fields.limited(field, &limits[field]));
+    let settings = Settings { tolerance, on_separation, ..Settings::default() };
+    Shaking { excitation, vertical, pulse, unscaled, scale, doubtful, settings, duration, step }
+}
+
+/// The parameters of the block without its ties, in space those of both bodies. The second value is the height of the body (m), if it is
+/// given.
+pub fn spec(fields: &mut Fields, is_in_space: bool) -> (BlockSpec, Option<f64>) {
     let limits = limits::properties::<BlockSpec>();
     let has_size = fields.one_of("shape", &["size", "ratios"]) == "size";
-    let foundation = fields.choice("foundation");
+    let foundation = if is_in_space { Foundation::Viscoelastic } else { fields.choice("foundation") };
     let on_supports = foundation == Foundation::Viscoelastic;
     let in_ratios = on_supports && (!has_size || fields.one_of("supports", &["ratios", "stiffness"]) == "ratios");
     let slides = fields.one_of("sliding", &["none", "friction"]) == "friction";
@@ -136,7 +170,7 @@ fn spec(fields: &mut Fields) -> (BlockSpec, Option<f64>) {
             "eta" | "xi_v" => in_ratios,
             "K" | "C" => !in_ratios,
             "friction" => slides,
-            _ => true,
+            name => !(is_in_space && OF_PLANE.iter().any(|(known, _)| *known == name)),
         };
         if is_read && spec.without_effect().iter().all(|(without, _)| *without != name) {
             let (field, limits) = (field(name), &limits[name]);
@@ -293,7 +327,7 @@ fn pulse(fields: &mut Fields) -> Pulse {
 }
 
 /// Describes the excitation as the program does.
-fn describe(excitation: &Excitation, vertical: &Vertical, ground: &Ground, pulse: &Pulse, gravity: f64) -> String {
+pub fn describe(excitation: &Excitation, vertical: &Vertical, ground: &Ground, pulse: &Pulse, gravity: f64) -> String {
     let one_line = |record: &Record| record.title.split_whitespace().collect::<Vec<_>>().join(" ");
     let title = |record: &Record, name: &str| match one_line(record) {
         title if title == name => title,

@@ -7,6 +7,7 @@
 //! | [`fields`] | text of input fields → numbers and choices; an error for each field |
 //! | [`records`] | dropped files and their settings → records |
 //! | [`inputs`] | fields → a run |
+//! | [`space`] | fields → a run of a block in space; its history → the outcome in words and numbers |
 //! | [`command`] | a run → the command line of `rocking` with the same numbers |
 //! | [`specification`] | units, defaults and choices of the engine → the fields of the page |
 //! | [`outcome`] | a history → its outcome in words |
@@ -24,6 +25,8 @@ pub mod records;
 pub mod inputs;
 
 pub mod command;
+
+pub mod space;
 
 pub mod specification;
 

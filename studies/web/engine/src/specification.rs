@@ -6,7 +6,7 @@ use rocking_block::simulation::Settings;
 use rocking_records::{Format, Unit};
 use rocking_studies::spec::records::FileSpec;
 use rocking_studies::spec::words::Words;
-use rocking_studies::spec::{BlockSpec, PulseSpec, SingleRunSpec, limits};
+use rocking_studies::spec::{BlockSpec, PulseSpec, SingleRunSpec, SpaceSpec, limits};
 use serde_json::{Map, Value, json};
 
 use crate::inputs::field;
@@ -16,6 +16,7 @@ use crate::inputs::field;
 pub fn specification() -> Value {
     let of_structs = [
         limits::properties::<BlockSpec>(),
+        limits::properties::<SpaceSpec>(),
         limits::properties::<PulseSpec>(),
         limits::properties::<SingleRunSpec>(),
         limits::properties::<FileSpec>(),

@@ -92,7 +92,9 @@ pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Res
     let history = run.history(|part| bar.show((part * PARTS as f64) as u64))?;
     bar.clear();
 
-    outputs.fill("csv", || table::csv(&run.parameters, &history).context("the table cannot be written"))?;
+    outputs.fill("csv", || {
+        table::csv(&run.parameters, &history, 0..history.rows.len()).context("the table cannot be written")
+    })?;
     outputs.fill("plot", || Ok(format.encode(&picture(&run, &history, &excitation)?)?))?;
     if let Some(format) = plan_format {
         outputs.fill("plot-plan", || Ok(format.encode(&plan(&run, &history, &excitation)?)?))?;

@@ -273,7 +273,7 @@ fn pairs_are_searched_over_their_scale() {
     let block = "--width 0.3 --depth 0.5 --height 1.6 --eta 60 --xi-v 0.2 --record x.csv --record-y y.csv --azimuth 20";
     let line = format!("search overturning {block} --points 21 --resolution 1e-3 --csv o.csv");
     let printed = stdout(folder.path(), &line.split(' ').collect::<Vec<_>>());
-    assert!(printed.starts_with("scale = 0 to "), "{printed}");
+    assert!(printed.starts_with("model         block in space\nscale = 0 to "), "{printed}");
     let table = Table::read(&folder.path().join("o.csv"));
     for (row, column, outcome) in [(0, "to", "completed"), (1, "from", "overturning")] {
         let scale = table.get(row, column);
