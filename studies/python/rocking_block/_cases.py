@@ -88,7 +88,7 @@ class Cases:
         named, limit = _named(self.limit), self.limit
         if limit is None:
             limit = "balance" if "peak.theta/balance" in table else "overturned"
-        elif isinstance(limit, str) and limit.lower() in ("overturned", "balance"):
+        elif isinstance(limit, str) and limit.lower() in ("overturned", "balance", "breaks"):
             limit = limit.lower()
             if limit == "balance" and TILT in table:
                 expected = 'a block in space may pass it over a corner; expected "overturned", or "tilt:1" for the nearest edge'
@@ -97,7 +97,7 @@ class Cases:
             limit = f"{named[0]}>" + repr(named[1]).removesuffix(".0")
         elif isinstance(limit, str | bool) or not isinstance(limit, Real) or not 0.0 < limit < np.inf:
             shown = f'"{limit}"' if isinstance(limit, str) else limit
-            expected = 'expected "overturned", "balance", a rotation |θ|/α > 0, in metres "slip:0.1" or "plastic:0.02", or "half_cycles:20"'
+            expected = 'expected "overturned", "balance", "breaks", a rotation |θ|/α > 0, in metres "slip:0.1" or "plastic:0.02", or "half_cycles:20"'
             in_space = '; of a block in space "tilt:0.5" over that of its balance, "twist:0.1" in rad, or "drift:0.1" in metres'
             raise ValueError(f"limit = {shown}; {expected}{in_space}")
         elif TILT in table:
@@ -204,6 +204,8 @@ def _response(table: Table, limit: str | float, peak: Floats) -> Floats:
     named = _named(limit)
     if named is not None:
         return _peaks(table, named[0])
+    if limit == "breaks":
+        return numbers(table, "ties.broken")
     # Without ties, even blocks have their peaks over the balance in `peak.theta/alpha`.
     if limit == "balance" and ("peak.theta/balance" in table or "eccentricity" in table):
         return numbers(table, "peak.theta/balance")

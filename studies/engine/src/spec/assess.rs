@@ -77,7 +77,7 @@ pub enum Site {
 pub struct StateTable {
     /// Name of the state.
     pub name: String,
-    /// "overturned", "balance", a number for |theta|/alpha, in metres "slip:0.1" or "plastic:0.02", or "half_cycles:20".
+    /// "overturned", "balance", "breaks", a number for |theta|/alpha, in metres "slip:0.1" or "plastic:0.02", or "half_cycles:20".
     pub limit: Word,
     /// The publication or decision behind it.
     pub source: Option<String>,
