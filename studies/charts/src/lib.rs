@@ -16,6 +16,8 @@
 //! | [`history_in_space`], [`plan`](mod@plan) | a history of a block in space → a page, and a view from above |
 //! | [`loops`](mod@loops) | a history → the loops of dampers and of ties that yield |
 //! | [`pushover`](mod@pushover) | the curve of a slow rotation → a page |
+//! | [`record`](mod@record) | a record → its acceleration, velocity and response spectrum |
+//! | [`frame`](mod@frame) | the history of a frame → its rotation, beam and forces |
 //! | [`rate`] | annual rates → pages |
 //! | [`pulse_fit`] | a record and the pulse fitted to it → a page |
 //! | [`mod@fit`] | tests and their fits → a page |
@@ -52,6 +54,10 @@ pub mod loops;
 pub mod pushover;
 
 pub mod fragility;
+
+pub mod record;
+
+pub mod frame;
 
 pub mod rate;
 

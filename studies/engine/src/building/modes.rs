@@ -69,11 +69,12 @@ impl Building {
     pub fn doubt(&self) -> Option<String> {
         let period = 1.0 / self.modes.first()?.frequency;
         let greatest = MAX_PERIOD[0] + MAX_PERIOD[1] * self.floors as f64;
+        let floors = if self.floors == 1 { "one floor".into() } else { format!("{} floors", self.floors) };
+        let shown: f64 = format!("{period:.2e}").parse().unwrap_or(period);
         (!(MIN_PERIOD..=greatest).contains(&period)).then(|| {
             format!(
-                "the first period of the building of {} floors is {period:.2e} s; expected {MIN_PERIOD} to {greatest:.1} s, from masses in kg and \
-                 stiffnesses in N/m",
-                self.floors
+                "the building of {floors} has a first period of {shown} s; expected {MIN_PERIOD} to {greatest:.1} s, from masses in kg and \
+                 stiffnesses in N/m"
             )
         })
     }
