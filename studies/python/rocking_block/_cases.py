@@ -140,17 +140,46 @@ class Files:
     limit: str | float | None
     partial: bool
     cluster: str | None = None
+    where: tuple[tuple[str, Any], ...] = ()
 
     def cases(self, keep: bool = False, unknown_exceed: bool | None = None) -> Cases:
         """Reads the cases; with `keep` their rows are arrays, in the order of the files. `unknown_exceed` is the outcome of unknown runs."""
         cases = Cases(self.im, self.limit, self.cluster, unknown_exceed)
-        named = [self.im] if self.cluster is None else [self.im, self.cluster]
-        for_each_batch(self.path, named, self.partial, lambda table, is_part: cases.take(table, is_part, keep))
+        named = [self.im, *(() if self.cluster is None else (self.cluster,)), *(name for name, _ in self.where)]
+        found = 0
+
+        def take(table: Table, is_part: bool) -> None:
+            nonlocal found
+            chosen = _where(table, self.where)
+            found += int(chosen.sum())
+            cases.take(table if chosen.all() else table[chosen], is_part, keep)
+
+        for_each_batch(self.path, named, self.partial, take)
+        _check_found(found, self.where)
         return cases
 
 
-def cases_of(table: Any, im: str, limit: str | float | None, cluster: str | None) -> Cases:
+def _where(table: Table, conditions: tuple[tuple[str, Any], ...]) -> npt.NDArray[np.bool_]:
+    """Returns which rows have the values of all conditions."""
+    chosen = np.ones(table.rows, dtype=bool)
+    for name, value in conditions:
+        column = _column(table, split_heading(name)[0])
+        chosen &= column == value if column.dtype.kind in "biuf" and isinstance(value, Real) else column.astype(str) == str(value)
+    return chosen
+
+
+def _check_found(rows: int, conditions: tuple[tuple[str, Any], ...]) -> None:
+    if rows == 0 and conditions:
+        shown = " and ".join(f"{name} = {value}" for name, value in conditions)
+        raise ValueError(f"no row has {shown}; expected values of the table")
+
+
+def cases_of(table: Any, im: str, limit: str | float | None, cluster: str | None, where: tuple[tuple[str, Any], ...] = ()) -> Cases:
     """Returns the cases of a table in memory, whose rows are kept."""
+    if where:
+        chosen = _where(by_name(table), where)
+        _check_found(int(chosen.sum()), where)
+        table = table[chosen] if hasattr(table, "iloc") else by_name(table)[chosen]
     cases = Cases(im, limit, cluster)
     # The texts of a frame become Python's, and those of a table are copied: of all rows they would take more memory than the table.
     is_frame = hasattr(table, "iloc")

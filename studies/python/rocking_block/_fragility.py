@@ -276,6 +276,7 @@ def fragility(
     samples: int = 1000,
     seed: int = 1,
     cluster: str | None = None,
+    where: Mapping[str, str | float] | None = None,
     partial: bool = False,
     progress: bool | None = None,
 ) -> Fragility:
@@ -313,6 +314,8 @@ def fragility(
     cluster : str, optional
         Column whose values cluster the rows, instead of the ground motions: event and station, as far as `motion`, or the names in
         `record` and `vertical`, tell them.
+    where : mapping, optional
+        Use only the rows in which each of these columns has this value, as in `{"foundation": "rigid"}`.
     partial : bool
         Fit the parts of a folder although some are missing.
     progress : bool, optional
@@ -345,9 +348,10 @@ def fragility(
     if not isinstance(im, str):
         raise TypeError(f"im = {im!r}; expected the name of one column, such as 'PGV'")
     source: Rows | Files
+    conditions = tuple((where or {}).items())
     resampled = chosen("intervals", intervals, ("profile", "bootstrap")) == "bootstrap"
     if isinstance(table, str | os.PathLike):
-        source = Files(os.fspath(table), im, limit, partial, cluster)
+        source = Files(os.fspath(table), im, limit, partial, cluster, conditions)
         cases = source.cases()
         source = dataclasses.replace(source, limit=cases.limit)
     elif not hasattr(table, "keys") or not hasattr(table, "__getitem__"):
@@ -355,7 +359,7 @@ def fragility(
     elif partial:
         raise ValueError("partial has no effect without a folder of parts")
     else:
-        cases = cases_of(table, im, limit, cluster)
+        cases = cases_of(table, im, limit, cluster, conditions)
         (source,) = cases.batches
         for column in source:
             column.setflags(write=False)

@@ -31,6 +31,7 @@ impl Building {
     #[pyo3(signature = (
         *, floor_masses=None, storey_stiffnesses=None, frequencies=None, participation=None, shapes=None, damping=None, rayleigh=None,
     ))]
+    #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python,
         floor_masses: Option<Vec<f64>>,
