@@ -424,6 +424,7 @@ pub fn probability_of(limit: Limit) -> String {
         Limit::Slip(limit) => format!("probability of a slip above {} m", short(limit)),
         Limit::Plastic(limit) => format!("probability of a plastic elongation above {} m", short(limit)),
         Limit::HalfCycles(limit) => format!("probability of more than {} half cycles", short(limit)),
+        Limit::Breaks => "probability of a broken tie or damper".into(),
         Limit::Tilt(limit) => format!("probability of a tilt above {} of that of the balance", short(limit)),
         Limit::Twist(limit) => format!("probability of a twist above {} rad", short(limit)),
         Limit::Drift(limit) => format!("probability of a drift above {} m", short(limit)),

@@ -17,6 +17,8 @@
 //! | [`directions`](mod@directions) | outcomes in space by the direction of the ground motion → a polar chart |
 //! | [`loops`](mod@loops) | a history → the loops of dampers and of ties that yield |
 //! | [`pushover`](mod@pushover) | the curve of a slow rotation → a page |
+//! | [`record`](mod@record) | a record → its acceleration, velocity and response spectrum |
+//! | [`frame`](mod@frame) | the history of a frame → its rotation, beam and forces |
 //! | [`rate`] | annual rates → pages |
 //! | [`pulse_fit`] | a record and the pulse fitted to it → a page |
 //! | [`mod@fit`] | tests and their fits → a page |
@@ -55,6 +57,10 @@ pub mod pushover;
 pub mod fragility;
 
 pub mod directions;
+
+pub mod record;
+
+pub mod frame;
 
 pub mod rate;
 

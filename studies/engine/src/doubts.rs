@@ -22,9 +22,10 @@ const GYRATIONS: [f64; 2] = [0.1, 3.0];
 /// Greatest amplitude of a pulse over gravity (1), that of records in files.
 const MAX_AMPLITUDE: f64 = 20.0;
 
-/// Returns the first remark of each kind on blocks. Kinds are supports too soft to keep them upright, sizes, and damping.
+/// Returns the first remark of each kind on blocks. Kinds are supports too soft to keep them upright, sizes, proportions, and
+/// damping.
 pub fn of_blocks(blocks: impl IntoIterator<Item = Block>) -> Vec<String> {
-    first_of_each(blocks, [&Block::soft_supports, &size, &damping])
+    first_of_each(blocks, [&Block::soft_supports, &size, &stocky, &damping])
 }
 
 /// A kind of remark.
@@ -59,6 +60,17 @@ fn size(block: &Block) -> Option<String> {
             short(width),
             short(height),
             short(block.p)
+        )
+    })
+}
+
+fn stocky(block: &Block) -> Option<String> {
+    (block.b > block.h).then(|| {
+        format!(
+            "the block is {} m wide and {} m high (2h), with alpha = {} rad; expected a height above the width: they may be swapped",
+            short(2.0 * block.b),
+            short(2.0 * block.h),
+            short(block.alpha)
         )
     })
 }
@@ -221,6 +233,11 @@ mod tests {
         assert!(found[0].starts_with("the block is 600 m wide and 2400 m high (2h), with p = "), "{found:?}");
         assert!(found[1].starts_with("the supports have xi_v = 282.8, C = 4.0000e7 N.s/m"), "{found:?}");
         assert_eq!(of_blocks([in_km]).len(), 1);
+        let swapped = of_blocks([block(2.4, 0.6, 4e4, Foundation::Rigid)]);
+        assert!(
+            swapped.len() == 1 && swapped[0].starts_with("the block is 2.4 m wide and 0.6 m high (2h), with alpha")
+        );
+        assert_eq!(of_blocks([block(1.0, 1.0, 4e4, Foundation::Rigid)]), [""; 0]);
         assert_eq!(
             of_blocks([Block { body: Body { foundation: Foundation::Rigid, ..damped.body }, ..damped }]).len(),
             0

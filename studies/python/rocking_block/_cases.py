@@ -88,7 +88,7 @@ class Cases:
         named, limit = _named(self.limit), self.limit
         if limit is None:
             limit = "balance" if "peak.theta/balance" in table else "overturned"
-        elif isinstance(limit, str) and limit.lower() in ("overturned", "balance"):
+        elif isinstance(limit, str) and limit.lower() in ("overturned", "balance", "breaks"):
             limit = limit.lower()
             if limit == "balance" and TILT in table:
                 expected = 'a block in space may pass it over a corner; expected "overturned", or "tilt:1" for the nearest edge'
@@ -97,7 +97,7 @@ class Cases:
             limit = f"{named[0]}>" + repr(named[1]).removesuffix(".0")
         elif isinstance(limit, str | bool) or not isinstance(limit, Real) or not 0.0 < limit < np.inf:
             shown = f'"{limit}"' if isinstance(limit, str) else limit
-            expected = 'expected "overturned", "balance", a rotation |θ|/α > 0, in metres "slip:0.1" or "plastic:0.02", or "half_cycles:20"'
+            expected = 'expected "overturned", "balance", "breaks", a rotation |θ|/α > 0, in metres "slip:0.1" or "plastic:0.02", or "half_cycles:20"'
             in_space = '; of a block in space "tilt:0.5" over that of its balance, "twist:0.1" in rad, or "drift:0.1" in metres'
             raise ValueError(f"limit = {shown}; {expected}{in_space}")
         elif TILT in table:
@@ -140,17 +140,46 @@ class Files:
     limit: str | float | None
     partial: bool
     cluster: str | None = None
+    where: tuple[tuple[str, Any], ...] = ()
 
     def cases(self, keep: bool = False, unknown_exceed: bool | None = None) -> Cases:
         """Reads the cases; with `keep` their rows are arrays, in the order of the files. `unknown_exceed` is the outcome of unknown runs."""
         cases = Cases(self.im, self.limit, self.cluster, unknown_exceed)
-        named = [self.im] if self.cluster is None else [self.im, self.cluster]
-        for_each_batch(self.path, named, self.partial, lambda table, is_part: cases.take(table, is_part, keep))
+        named = [self.im, *(() if self.cluster is None else (self.cluster,)), *(name for name, _ in self.where)]
+        found = 0
+
+        def take(table: Table, is_part: bool) -> None:
+            nonlocal found
+            chosen = _where(table, self.where)
+            found += int(chosen.sum())
+            cases.take(table if chosen.all() else table[chosen], is_part, keep)
+
+        for_each_batch(self.path, named, self.partial, take)
+        _check_found(found, self.where)
         return cases
 
 
-def cases_of(table: Any, im: str, limit: str | float | None, cluster: str | None) -> Cases:
+def _where(table: Table, conditions: tuple[tuple[str, Any], ...]) -> npt.NDArray[np.bool_]:
+    """Returns which rows have the values of all conditions."""
+    chosen = np.ones(table.rows, dtype=bool)
+    for name, value in conditions:
+        column = _column(table, split_heading(name)[0])
+        chosen &= column == value if column.dtype.kind in "biuf" and isinstance(value, Real) else column.astype(str) == str(value)
+    return chosen
+
+
+def _check_found(rows: int, conditions: tuple[tuple[str, Any], ...]) -> None:
+    if rows == 0 and conditions:
+        shown = " and ".join(f"{name} = {value}" for name, value in conditions)
+        raise ValueError(f"no row has {shown}; expected values of the table")
+
+
+def cases_of(table: Any, im: str, limit: str | float | None, cluster: str | None, where: tuple[tuple[str, Any], ...] = ()) -> Cases:
     """Returns the cases of a table in memory, whose rows are kept."""
+    if where:
+        chosen = _where(by_name(table), where)
+        _check_found(int(chosen.sum()), where)
+        table = table[chosen] if hasattr(table, "iloc") else by_name(table)[chosen]
     cases = Cases(im, limit, cluster)
     # The texts of a frame become Python's, and those of a table are copied: of all rows they would take more memory than the table.
     is_frame = hasattr(table, "iloc")
@@ -204,6 +233,8 @@ def _response(table: Table, limit: str | float, peak: Floats) -> Floats:
     named = _named(limit)
     if named is not None:
         return _peaks(table, named[0])
+    if limit == "breaks":
+        return numbers(table, "ties.broken")
     # Without ties, even blocks have their peaks over the balance in `peak.theta/alpha`.
     if limit == "balance" and ("peak.theta/balance" in table or "eccentricity" in table):
         return numbers(table, "peak.theta/balance")

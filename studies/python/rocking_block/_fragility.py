@@ -94,7 +94,7 @@ class Fragility(_engine.Fragility):
     unit: str
     """Unit of the measure; empty if the table has none."""
     limit: str | float
-    """The limit: "overturned", "balance", a rotation |θ|/α [1], a slip or plastic elongation [m] as in "slip>0.1" or "plastic>0.02", or "half_cycles>20"; of blocks in space "tilt/alpha_edge>0.5", "twist>0.1" or "drift>0.1"."""
+    """The limit: "overturned", "balance", a rotation |θ|/α [1], a slip or plastic elongation [m] as in "slip>0.1" or "plastic>0.02", "half_cycles>20", or "breaks"; of blocks in space "tilt/alpha_edge>0.5", "twist>0.1" or "drift>0.1"."""
     ci: float
     """Confidence level of intervals and bands."""
     failed: int
@@ -276,6 +276,7 @@ def fragility(
     samples: int = 1000,
     seed: int = 1,
     cluster: str | None = None,
+    where: Mapping[str, str | float] | None = None,
     partial: bool = False,
     progress: bool | None = None,
 ) -> Fragility:
@@ -298,7 +299,7 @@ def fragility(
         heading.
     limit : "overturned", "balance", float or str, optional
         The limit: overturning, the balance (the rotation that puts the centre of mass over the corner), a rotation |θ|/α > 0 [1], or a
-        slip or a plastic elongation of any tie or damper in metres, as in "slip:0.1" or "plastic:0.02", or the half cycles of a study, as in "half_cycles:20"; a block that overturned exceeds any. For blocks in space a number is the tilt
+        slip or a plastic elongation of any tie or damper in metres, as in "slip:0.1" or "plastic:0.02", or the half cycles of a study, as in "half_cycles:20", or "breaks", a tie or damper that breaks; a block that overturned exceeds any. For blocks in space a number is the tilt
         over that of the balance over the nearest edge, and there are "twist:0.1" in rad and "drift:0.1" in metres. By default overturning, or the balance for blocks with
         ties, which may hold a block beyond it.
     ci : float
@@ -313,6 +314,8 @@ def fragility(
     cluster : str, optional
         Column whose values cluster the rows, instead of the ground motions: event and station, as far as `motion`, or the names in
         `record` and `vertical`, tell them.
+    where : mapping, optional
+        Use only the rows in which each of these columns has this value, as in `{"foundation": "rigid"}`.
     partial : bool
         Fit the parts of a folder although some are missing.
     progress : bool, optional
@@ -345,9 +348,10 @@ def fragility(
     if not isinstance(im, str):
         raise TypeError(f"im = {im!r}; expected the name of one column, such as 'PGV'")
     source: Rows | Files
+    conditions = tuple((where or {}).items())
     resampled = chosen("intervals", intervals, ("profile", "bootstrap")) == "bootstrap"
     if isinstance(table, str | os.PathLike):
-        source = Files(os.fspath(table), im, limit, partial, cluster)
+        source = Files(os.fspath(table), im, limit, partial, cluster, conditions)
         cases = source.cases()
         source = dataclasses.replace(source, limit=cases.limit)
     elif not hasattr(table, "keys") or not hasattr(table, "__getitem__"):
@@ -355,7 +359,7 @@ def fragility(
     elif partial:
         raise ValueError("partial has no effect without a folder of parts")
     else:
-        cases = cases_of(table, im, limit, cluster)
+        cases = cases_of(table, im, limit, cluster, conditions)
         (source,) = cases.batches
         for column in source:
             column.setflags(write=False)

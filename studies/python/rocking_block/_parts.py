@@ -139,6 +139,13 @@ def _count(parts: int | None, rows: int) -> int:
     return count
 
 
+def check_executor(executor: object) -> None:
+    """Refuses what takes no tasks, such as a number of processes."""
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        expected = "expected an executor of concurrent.futures, such as ProcessPoolExecutor(4); threads=4 takes four cores without one"
+        raise TypeError(f"executor = {executor!r}; {expected}")
+
+
 def _results(
     executor: Executor, task: Callable[..., Any], calls: Sequence[tuple[Any, ...]], rows: int, kept: str, progress: bool | None
 ) -> Iterator[tuple[int, Any]]:

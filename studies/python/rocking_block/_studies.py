@@ -209,6 +209,7 @@ def outcomes(
     listed = [blocks] if isinstance(blocks, _engine.Block) else list(blocks)
     if not listed:
         raise ValueError("blocks = []; expected at least one")
+    _parts.check_executor(executor)
     if executor is None and parts is not None:
         raise ValueError("parts has no effect without an executor")
     for block in listed:
@@ -345,6 +346,7 @@ def sweep(
     >>> table["p"]
     array([1., 2., 3.])
     """
+    _parts.check_executor(executor)
     if executor is None and parts is not None:
         raise ValueError("parts has no effect without an executor")
     if part_format is not None and (executor is None or out is None):

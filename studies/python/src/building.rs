@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rocking_studies::building::{self as engine, Damping, FloorMotion, Mode};
 
-use crate::options::invalid;
+use crate::options::{invalid, warn};
 use crate::record::Record;
 
 /// A ratio for all modes, or one for each.
@@ -31,7 +31,9 @@ impl Building {
     #[pyo3(signature = (
         *, floor_masses=None, storey_stiffnesses=None, frequencies=None, participation=None, shapes=None, damping=None, rayleigh=None,
     ))]
+    #[allow(clippy::too_many_arguments)]
     fn new(
+        py: Python,
         floor_masses: Option<Vec<f64>>,
         storey_stiffnesses: Option<Vec<f64>>,
         frequencies: Option<Vec<f64>>,
@@ -58,7 +60,9 @@ impl Building {
                 return Err(PyValueError::new_err(message));
             }
         };
-        Ok(Building { building: building.map_err(invalid)? })
+        let building = building.map_err(invalid)?;
+        warn(py, building.doubt(), 1)?;
+        Ok(Building { building })
     }
 
     /// Returns the arguments of the same building from its modes.

@@ -114,3 +114,8 @@ def test_a_copy_of_a_building_moves_to_the_last_bit(building):
     motions = [rb.floor_motions(record, one) for one in (building, pickle.loads(pickle.dumps(building)), copy.deepcopy(building))]
     for other in motions[1:]:
         assert all(np.array_equal(a.acceleration, b.acceleration) for a, b in zip(motions[0].records, other.records, strict=True))
+
+
+def test_a_period_beyond_reason_is_doubted():
+    with pytest.warns(UserWarning, match="the building of 2 floors has a first period of 7.96 s; .*stiffnesses in N/m"):
+        rb.Building(floor_masses=[3e5, 2e5], storey_stiffnesses=[4e5, 3e5], damping=0.05)

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tracemalloc
 import warnings
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -251,11 +252,11 @@ def test_a_curve_is_that_of_the_program(rocking, path, tmp_path):
     [
         ({"im": "PGA"}, "there is no column 'PGA'; expected one of record, PGV"),
         ({"im": "outcome"}, "column 'outcome' has .*; expected numbers"),
-        ({"limit": -1}, 'limit = -1; expected "overturned", "balance", a rotation .* > 0, in metres "slip'),
-        ({"limit": float("nan")}, 'limit = nan; expected "overturned", "balance", a rotation'),
+        ({"limit": -1}, 'limit = -1; expected "overturned", "balance", "breaks", a rotation .* > 0, in metres "slip'),
+        ({"limit": float("nan")}, 'limit = nan; expected "overturned", "balance", "breaks", a rotation'),
         ({"limit": 0.5, "table": {"PGV": [1.0], "outcome": ["completed"]}}, "there is no column 'peak.theta/alpha'"),
         ({"table": {"PGV": [1.0, 2.0], "outcome": ["overturned", "fell"]}}, 'outcome = .*fell.* in row 1; expected one of "completed"'),
-        ({"limit": "fallen"}, 'limit = "fallen"; expected "overturned", "balance", a rotation'),
+        ({"limit": "fallen"}, 'limit = "fallen"; expected "overturned", "balance", "breaks", a rotation'),
         ({"intervals": "bootstrap", "samples": 1}, "samples = 1; expected a whole number from 2 to 1000000"),
         ({"ci": 95}, "ci = 95; expected a number above 0 and below 1"),
         ({"link": "cauchit"}, 'link = "cauchit"; expected one of "probit", "logit"'),
@@ -459,3 +460,25 @@ print("pandas" in sys.modules, pyarrow.default_memory_pool().max_memory())
     assert imported == "False"
     # A batch has some 2 MB, and the measures of all groups 12 MB.
     assert int(most) < 8e6
+
+
+def test_conditions_choose_rows(tmp_path):
+    """As tables of the chosen rows, and as `rocking fragility --where`; of a table in memory, a DataFrame and a file."""
+    sources = {"levels": {"im": "PGV", "values": [0.2, 0.4, 0.6, 0.8, 1.0, 1.4]}}
+    study = {"study": {"design": "grid"} | sources, "parameters": {"foundation": ["rigid", "viscoelastic"], "alpha": [0.12, 0.15, 0.18], "p": [2.0, 2.4]},
+             "records": [{"horizontal": str(Path(__file__).resolve().parents[3] / "examples/records/*.smc")}]}
+    table = rb.sweep(study, progress=False)
+    chosen = table[(table["foundation"] == "rigid") & (table["p"] == 2.0)]
+    expected = rb.fragility(chosen, "PGV")
+    where = {"foundation": "rigid", "p": 2.0}
+    path = tmp_path / "runs.csv"
+    rb.sweep(study, out=path, progress=False)
+    for source in (table, table.to_pandas() if hasattr(table, "to_pandas") else table, path):
+        found = rb.fragility(source, "PGV", where=where)
+        assert (found.rows, found.coefficients) == (36, expected.coefficients)
+    assert pickle.loads(pickle.dumps(rb.fragility(path, "PGV", where=where))).rows == 36
+    for source in (table, path):
+        with pytest.raises(ValueError, match="no row has foundation = sand"):
+            rb.fragility(source, "PGV", where={"foundation": "sand"})
+        with pytest.raises(ValueError, match="soil"):
+            rb.fragility(source, "PGV", where={"soil": 1})

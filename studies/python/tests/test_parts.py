@@ -420,3 +420,11 @@ def test_a_url_is_a_folder_of_any_storage(processes, whole, tmp_path):
     part.write_bytes(part.read_bytes()[:-1])
     with pytest.raises(ValueError, match=f"^file://{tmp_path}/runs/{part.name}: is damaged: "):
         rb.read_table(f"file://{tmp_path}/runs")
+
+
+def test_a_number_is_no_executor():
+    message = r"executor = 4; expected an executor of concurrent.futures, such as ProcessPoolExecutor\(4\); threads=4"
+    with pytest.raises(TypeError, match=message):
+        rb.sweep("study.toml", executor=4)
+    with pytest.raises(TypeError, match=message):
+        rb.outcomes(rb.Block(), pulse=rb.Pulse("one-sine", 1.0, 1.0), executor=4)

@@ -105,6 +105,7 @@ pub fn limit(limit: impl Borrow<Limit>) -> String {
         Limit::Slip(limit) => format!("slip > {limit} m"),
         Limit::Plastic(limit) => format!("plastic elongation > {limit} m"),
         Limit::HalfCycles(limit) => format!("more than {limit} half cycles"),
+        Limit::Breaks => "a tie or damper breaks".into(),
         Limit::Tilt(limit) => format!("tilt > {limit} of that of the balance"),
         Limit::Twist(limit) => format!("twist > {limit} rad"),
         Limit::Drift(limit) => format!("drift > {limit} m"),
@@ -120,6 +121,7 @@ pub fn exceed(limit: Limit) -> String {
         Limit::Slip(limit) => format!("overturn or slip more than {limit} m"),
         Limit::Plastic(limit) => format!("overturn or stretch a tie or damper plastically by more than {limit} m"),
         Limit::HalfCycles(limit) => format!("overturn or give a tie or damper more than {limit} half cycles"),
+        Limit::Breaks => "overturn or break a tie or damper".into(),
         Limit::Tilt(limit) => format!("tilt more than {limit} of the way to the balance"),
         Limit::Twist(limit) => format!("overturn or twist more than {limit} rad"),
         Limit::Drift(limit) => format!("overturn or drift more than {limit} m"),
@@ -165,6 +167,7 @@ pub fn exceeds_in_words(limit: Limit) -> String {
         Limit::Slip(limit) => format!("overturns or slips more than {limit} m"),
         Limit::Plastic(limit) => format!("overturns or stretches a tie or damper plastically by more than {limit} m"),
         Limit::HalfCycles(limit) => format!("overturns or gives a tie or damper more than {limit} half cycles"),
+        Limit::Breaks => "overturns or breaks a tie or damper".into(),
         Limit::Tilt(limit) => format!("tilts beyond {limit} times the angle of its balance over the nearest edge"),
         Limit::Twist(limit) => format!("overturns or twists more than {limit} rad"),
         Limit::Drift(limit) => format!("overturns or drifts more than {limit} m"),
@@ -262,7 +265,7 @@ mod tests {
     /// Each limit has its own words, and only overturning is called so.
     #[test]
     fn limits_have_their_own_names() {
-        let limits = ["overturned", "balance", "0.5", "slip:0.1", "plastic:0.02", "half_cycles:20"];
+        let limits = ["overturned", "balance", "0.5", "slip:0.1", "plastic:0.02", "half_cycles:20", "breaks"];
         let found = limits.map(|word| (limit(word.parse::<Limit>().unwrap()), exceed(word.parse().unwrap())));
         let exact = [
             ("overturning", "overturn"),
@@ -271,6 +274,7 @@ mod tests {
             ("slip > 0.1 m", "overturn or slip more than 0.1 m"),
             ("plastic elongation > 0.02 m", "overturn or stretch a tie or damper plastically by more than 0.02 m"),
             ("more than 20 half cycles", "overturn or give a tie or damper more than 20 half cycles"),
+            ("a tie or damper breaks", "overturn or break a tie or damper"),
         ];
         assert_eq!(found, exact.map(|(limit, exceed)| (limit.to_string(), exceed.to_string())));
     }

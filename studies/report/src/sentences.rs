@@ -18,6 +18,7 @@ pub fn verdict(report: &Report, [least, greatest]: [f64; 2]) -> [String; 2] {
         | Limit::Slip(_)
         | Limit::Plastic(_)
         | Limit::HalfCycles(_)
+        | Limit::Breaks
         | Limit::Tilt(_)
         | Limit::Twist(_)
         | Limit::Drift(_) => {

@@ -289,6 +289,9 @@ fn states(root: &Section<StudyFile>, assess: &AssessTable, sweep: &Sweep) -> Res
             Limit::Plastic(_) if !holds.yields => Some(
                 "a limit on plastic elongations without a tie or damper that yields; expected yield_force in [parameters]",
             ),
+            Limit::Breaks if !holds.has_links() => Some(
+                "a limit on broken ties and dampers without one; expected tie_1.stiffness and tie_1.strength in [parameters]",
+            ),
             Limit::Tilt(_) | Limit::Twist(_) | Limit::Drift(_) => {
                 Some("a limit for a block in space; expected overturned, a number for |theta|/alpha, or a slip")
             }
@@ -320,7 +323,7 @@ fn states(root: &Section<StudyFile>, assess: &AssessTable, sweep: &Sweep) -> Res
 fn is_more_severe(first: Limit, second: Limit) -> bool {
     match (first, second) {
         (Limit::Overturned, _) => true,
-        (Limit::Balance, Limit::Balance) => true,
+        (Limit::Balance, Limit::Balance) | (Limit::Breaks, Limit::Breaks) => true,
         (Limit::Balance, Limit::Rotation(angle)) => angle < 1.0,
         (Limit::Rotation(first), Limit::Rotation(second))
         | (Limit::Slip(first), Limit::Slip(second))

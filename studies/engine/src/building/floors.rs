@@ -143,6 +143,24 @@ mod tests {
         Building::shear(&[3e5, 2e5, 2e5, 1e5], &[4e8, 3e8, 2e8, 1e8], damping).unwrap()
     }
 
+    /// Stiffnesses in kN/m, and masses in tonnes.
+    #[test]
+    fn a_period_beyond_reason_is_doubted() {
+        let of = |masses: f64, stiffnesses: f64| {
+            let [masses, stiffnesses] = [[3e5, 2e5].map(|m| masses * m), [4e8, 3e8].map(|k| stiffnesses * k)];
+            Building::shear(&masses, &stiffnesses, &Damping::All(0.05)).unwrap().doubt()
+        };
+        assert_eq!(of(1.0, 1.0), None);
+        assert_eq!(of(1.0, 1e-2), None);
+        let soft = of(1.0, 1e-3).unwrap();
+        assert!(
+            soft.starts_with("the building of 2 floors has a first period of 7.96 s")
+                && soft.contains("expected 0.03 to 3.4 s"),
+            "{soft}"
+        );
+        assert!(of(1e-3, 1.0).unwrap().contains("of 0.00796 s; expected 0.03"));
+    }
+
     /// The floor of one storey follows the closed form under a sudden constant acceleration a. It moves with
     /// `a [1 − exp(−ζωt) (cos ω_d t − ζ/√(1−ζ²) sin ω_d t)]`.
     #[test]

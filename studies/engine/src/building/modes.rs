@@ -58,10 +58,27 @@ fn wrong<T>(name: &'static str, found: impl Into<String>, expected: impl Into<St
 
 /// Least damping ratio: with less, floors would vibrate for minutes after the earthquake.
 const MIN_DAMPING: f64 = 0.001;
+/// Least first period (s) within reason, and the greatest of a building without floors and for each of its floors.
+const MIN_PERIOD: f64 = 0.03;
+const MAX_PERIOD: [f64; 2] = [3.0, 0.2];
 /// Greatest number of floors; its eigenproblem takes seconds.
 const MAX_FLOORS: usize = 500;
 
 impl Building {
+    /// A remark on a first period beyond reason, mostly a slip of units.
+    pub fn doubt(&self) -> Option<String> {
+        let period = 1.0 / self.modes.first()?.frequency;
+        let greatest = MAX_PERIOD[0] + MAX_PERIOD[1] * self.floors as f64;
+        let floors = if self.floors == 1 { "one floor".into() } else { format!("{} floors", self.floors) };
+        let shown: f64 = format!("{period:.2e}").parse().unwrap_or(period);
+        (!(MIN_PERIOD..=greatest).contains(&period)).then(|| {
+            format!(
+                "the building of {floors} has a first period of {shown} s; expected {MIN_PERIOD} to {greatest:.1} s, from masses in kg and \
+                 stiffnesses in N/m"
+            )
+        })
+    }
+
     /// Makes a shear building of floor masses (kg) and storey stiffnesses (N/m). Both begin at the ground.
     ///
     /// # Errors

@@ -189,6 +189,7 @@ pub fn openquake(components: &[Component], gravity: f64) -> Result<String, Misma
             Limit::Slip(limit) => format!("slip_{limit}_m"),
             Limit::Plastic(limit) => format!("plastic_{limit}_m"),
             Limit::HalfCycles(limit) => format!("half_cycles_{limit}"),
+            Limit::Breaks => "breaks".into(),
             Limit::Tilt(limit) => format!("tilt_{limit}"),
             Limit::Twist(limit) => format!("twist_{limit}_rad"),
             Limit::Drift(limit) => format!("drift_{limit}_m"),

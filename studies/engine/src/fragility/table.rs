@@ -56,12 +56,13 @@ pub struct SweepTable {
 pub const DESCRIBED: [&str; 3] = ["alpha", "eta", "xi_v"];
 
 /// Other columns that fits read whatever their measure.
-const OF_FITS: [&str; 16] = [
+const OF_FITS: [&str; 17] = [
     "row",
     "outcome",
     "peak.theta/alpha",
     OVER_BALANCE,
     "peak.slip",
+    "ties.broken",
     "events.liftoffs",
     "ensemble.samples",
     "record",
@@ -223,6 +224,7 @@ impl SweepTable {
             Limit::Slip(_) => self.column("peak.slip").map(|column| vec![column]),
             Limit::Plastic(_) => all_of(is_plastic, "peak.damper_1.plastic"),
             Limit::HalfCycles(_) => all_of(|name| name.starts_with(fatigue::COLUMN), fatigue::COLUMN),
+            Limit::Breaks => self.column("ties.broken").map(|column| vec![column]),
             Limit::Tilt(_) => self.column(TILT).map(|column| vec![column]),
             Limit::Twist(_) => self.column("peak.twist").map(|column| vec![column]),
             Limit::Drift(_) => self.column("peak.drift").map(|column| vec![column]),

@@ -19,6 +19,8 @@ pub enum Limit {
     Plastic(f64),
     /// A number of half cycles of a plastic elongation above the amplitude of a study. A block that overturns exceeds it.
     HalfCycles(f64),
+    /// A tie or damper that breaks. A block that overturns exceeds it.
+    Breaks,
     /// A tilt of a block in space over that of its balance over the nearest edge (1). A block that overturns exceeds it.
     Tilt(f64),
     /// A twist of a block in space about the vertical, in either sense (rad). A block that overturns exceeds it.
@@ -33,6 +35,7 @@ impl Limit {
         match self {
             Limit::Overturned => None,
             Limit::Balance => Some(1.0),
+            Limit::Breaks => Some(0.0),
             Limit::Rotation(limit) | Limit::Slip(limit) | Limit::Plastic(limit) | Limit::HalfCycles(limit) => {
                 Some(limit)
             }
@@ -68,6 +71,7 @@ impl std::fmt::Display for Limit {
             Limit::Slip(limit) => write!(f, "slip>{limit}"),
             Limit::Plastic(limit) => write!(f, "plastic>{limit}"),
             Limit::HalfCycles(limit) => write!(f, "half_cycles>{limit}"),
+            Limit::Breaks => f.write_str("breaks"),
             Limit::Tilt(limit) => write!(f, "tilt/alpha_edge>{limit}"),
             Limit::Twist(limit) => write!(f, "twist>{limit}"),
             Limit::Drift(limit) => write!(f, "drift>{limit}"),
@@ -90,6 +94,7 @@ impl FromStr for Limit {
         match lower.as_str() {
             "overturned" => return Ok(Limit::Overturned),
             "balance" => return Ok(Limit::Balance),
+            "breaks" => return Ok(Limit::Breaks),
             _ => (),
         }
         let (quantity, number) = lower.split_once([':', '>']).unwrap_or(("theta/alpha", &lower));
@@ -106,7 +111,7 @@ impl FromStr for Limit {
         });
         found.ok_or_else(|| {
             format!(
-                "found limit `{text}`; expected overturned, balance, a number > 0 for |theta|/alpha, as in 0.5, one in metres for the slip, as in \
+                "found limit `{text}`; expected overturned, balance, breaks for ties and dampers that break, a number > 0 for |theta|/alpha, as in 0.5, one in metres for the slip, as in \
                  slip:0.1, or for the plastic elongation of ties and dampers, as in plastic:0.02, or one for their half cycles, as in \
                  half_cycles:20; of a block in space tilt:0.5 over that of its balance, twist:0.1 in rad, or drift:0.1 in metres"
             )
@@ -139,6 +144,9 @@ mod tests {
         assert_eq!(verdicts(Limit::Balance, 1.0), [no, yes, None, None, None]);
         assert_eq!(verdicts(Limit::Rotation(0.5), 0.4), [no, yes, None, None, None]);
         assert_eq!(verdicts(Limit::Rotation(0.5), 0.6), [yes, yes, yes, yes, None]);
+        let breaks = |count: f64| End::ALL.map(|end| Limit::Breaks.verdict(end, Some(count)));
+        assert_eq!((breaks(0.0), breaks(2.0)), ([no, yes, None, None, None], [yes, yes, yes, yes, None]));
+        assert_eq!("Breaks".parse(), Ok(Limit::Breaks));
         for (text, limit) in [
             ("tilt:0.5", Limit::Tilt(0.5)),
             ("tilt/alpha_edge>0.5", Limit::Tilt(0.5)),

@@ -109,6 +109,7 @@ impl RunOutcome for Outcome {
             Limit::Rotation(_) => Some(peaks.theta / self.alpha),
             Limit::Slip(_) => Some(peaks.slip),
             Limit::Plastic(_) => peaks.plastic.into_iter().reduce(f64::max),
+            Limit::Breaks => Some(f64::from(self.breaks.count)),
             Limit::Tilt(_) | Limit::Twist(_) | Limit::Drift(_) => None,
         }
     }

@@ -87,7 +87,12 @@ impl RunOutcome for OutcomeInSpace {
             Limit::Twist(_) => peak("twist"),
             Limit::Slip(_) => peak("slip"),
             Limit::Drift(_) => peak("drift"),
-            Limit::Overturned | Limit::Balance | Limit::Rotation(_) | Limit::Plastic(_) | Limit::HalfCycles(_) => None,
+            Limit::Overturned
+            | Limit::Balance
+            | Limit::Rotation(_)
+            | Limit::Plastic(_)
+            | Limit::HalfCycles(_)
+            | Limit::Breaks => None,
         }
     }
 

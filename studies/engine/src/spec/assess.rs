@@ -77,8 +77,8 @@ pub enum Site {
 pub struct StateTable {
     /// Name of the state.
     pub name: String,
-    /// "overturned", "balance", a number for |theta|/alpha, in metres "slip:0.1" or "plastic:0.02", or "half_cycles:20"; in space a number
-    /// for the tilt over that of the balance, "twist:0.1" [rad], "slip:0.1" or "drift:0.1" [m].
+    /// "overturned", "balance", "breaks", a number for |theta|/alpha, in metres "slip:0.1" or "plastic:0.02", or "half_cycles:20";
+    /// in space a number for the tilt over that of the balance, "twist:0.1" [rad], "slip:0.1" or "drift:0.1" [m].
     pub limit: Word,
     /// The publication or decision behind it.
     pub source: Option<String>,

@@ -189,7 +189,7 @@ pub struct EnsembleTable {
     pub samples: u32,
     /// Pairs the values of several spreads.
     pub seed: Option<Seed>,
-    /// Further limits: numbers for |theta|/alpha, or in metres as "slip:0.1" or "plastic:0.02".
+    /// Further limits: "balance", "breaks", numbers for |theta|/alpha, or in metres as "slip:0.1" or "plastic:0.02".
     #[schemars(length(min = 1))]
     pub limits: Option<Vec<Word>>,
     /// Spread of the factor on the records.

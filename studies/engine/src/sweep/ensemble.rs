@@ -168,7 +168,7 @@ pub(super) fn read(
         _ => (),
     }
     let limit = |(number, word): (usize, &Word)| {
-        const EXPECTED: &str = "a number > 0 for |theta|/alpha, or a slip or plastic elongation in metres, as in \"slip:0.1\" or \"plastic:0.02\"";
+        const EXPECTED: &str = "a number > 0 for |theta|/alpha, \"balance\", \"breaks\", or a slip or plastic elongation in metres, as in \"slip:0.1\" or \"plastic:0.02\"";
         const IN_SPACE: &str = "a number > 0 for the tilt over that of the balance, or \"twist:0.1\" in rad, \"slip:0.1\" or \"drift:0.1\" in metres";
         let limit = word.limit().ok().map(|limit| match vocabulary {
             Vocabulary::Plane => limit,
@@ -177,7 +177,7 @@ pub(super) fn read(
         let fits = |limit: &Limit| match limit {
             Limit::Overturned | Limit::HalfCycles(_) => false,
             Limit::Slip(_) => true,
-            Limit::Balance | Limit::Rotation(_) | Limit::Plastic(_) => vocabulary == Vocabulary::Plane,
+            Limit::Balance | Limit::Rotation(_) | Limit::Plastic(_) | Limit::Breaks => vocabulary == Vocabulary::Plane,
             Limit::Tilt(_) | Limit::Twist(_) | Limit::Drift(_) => vocabulary == Vocabulary::Space,
         };
         let expected = match vocabulary {

@@ -62,6 +62,7 @@ pub fn read_for(file: &str, text: &str, folder: &Path, checks: Checks) -> Result
     let building = building::file::read(&file)?;
     check::building(&file, &motions, &strengths)?;
     if let Some((building, floors)) = &building {
+        remarks.extend(building.doubt());
         let records = motions.iter().filter_map(|motion| motion.ground.horizontal.as_ref());
         remarks.extend(records.filter_map(|record| building.undersampled(record)));
         motions = motions.iter().flat_map(|motion| on_floors(motion, building, floors)).collect();

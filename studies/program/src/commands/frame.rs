@@ -11,7 +11,7 @@ use crate::options::explicit::ExplicitOptions;
 use crate::options::run::warn;
 use crate::options::single_run;
 use crate::output::files::Outputs;
-use crate::output::formats::check_table;
+use crate::output::formats::{PictureOptions, check_table};
 use crate::output::report::ReportOptions;
 use crate::output::summary::{Object, Summary};
 use rocking_block::block::{Block, BlockParameters, Common, Outline, Supports};
@@ -39,6 +39,8 @@ pub struct FrameCommand {
     /// Table of the history; `-` for standard output
     #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
     csv: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureOptions,
     #[command(flatten)]
     report: ReportOptions,
 }
@@ -88,11 +90,16 @@ impl FrameOptions {
 pub fn run(options: &FrameCommand, explicit: &ExplicitOptions) -> anyhow::Result<()> {
     let csv = options.csv.as_deref();
     csv.map_or(Ok(()), check_table)?;
+    let format = options.picture.format()?;
     let frame = options.frame.frame()?;
     let (run, excitation) = options.run(explicit, &frame)?;
-    let mut outputs = Outputs::checked(&options.excitation.accelerograms.named(), [("csv", csv)])?;
+    let mut outputs = Outputs::checked(
+        &options.excitation.accelerograms.named(),
+        [("csv", csv), ("plot", options.picture.plot.as_deref())],
+    )?;
     let history = run.history(|_| ())?;
     outputs.fill("csv", || Ok(with_headings(&frame.table(&history))?.into_bytes()))?;
+    outputs.fill("plot", || Ok(format.encode(&rocking_charts::frame::frame(&frame, &history, &excitation)?)?))?;
     let written = outputs.write()?;
     let summary = summary(&frame, &history, &excitation);
     options.report.print("frame", &written, &[], &(summary.text + &written.lines()), &summary.json)

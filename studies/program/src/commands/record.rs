@@ -11,7 +11,7 @@ use crate::options::checks::check;
 use crate::options::input;
 use crate::options::run::warn;
 use crate::output::files::{NamedFile, Outputs};
-use crate::output::formats::check_table;
+use crate::output::formats::{PictureOptions, check_table};
 use crate::output::report::ReportOptions;
 use crate::output::summary::{Object, Summary};
 use rocking_block::block::Common;
@@ -49,6 +49,8 @@ pub struct RecordCommand {
     #[arg(long, value_name = "FILE.csv", help_heading = "Results")]
     csv: Option<PathBuf>,
     #[command(flatten)]
+    picture: PictureOptions,
+    #[command(flatten)]
     report: ReportOptions,
 }
 
@@ -58,12 +60,15 @@ pub fn run(options: &RecordCommand) -> anyhow::Result<()> {
     let one = transverse.is_none() || files.len() == 1;
     anyhow::ensure!(one, "--transverse with {} records; expected one", files.len());
     anyhow::ensure!(csv.is_none() || files.len() == 1, "--csv with {} records; expected one", files.len());
+    let plot = options.picture.plot.as_deref();
+    anyhow::ensure!(plot.is_none() || files.len() == 1, "--plot with {} records; expected one", files.len());
+    let format = options.picture.format()?;
     csv.as_deref().map_or(Ok(()), check_table)?;
     for &period in periods {
         check("periods", period, |period| PERIODS.contains(&period), "times from 0.001 to 1000 s")?;
     }
     let inputs: Vec<_> = files.iter().chain(transverse).map(|path| NamedFile::new("the record", path)).collect();
-    let mut outputs = Outputs::checked(&inputs, [("csv", csv.as_deref())])?;
+    let mut outputs = Outputs::checked(&inputs, [("csv", csv.as_deref()), ("plot", plot)])?;
     let record_options =
         RecordOptions { both: options.reading.options(*g).map_err(in_options)?, ..RecordOptions::default() };
     let read = |path: &PathBuf| {
@@ -103,6 +108,10 @@ pub fn run(options: &RecordCommand) -> anyhow::Result<()> {
         let table: String = shown.iter().zip(records()).map(|(path, record)| table(path, record)).collect();
         Ok(table.into_bytes())
     })?;
+    if let (Some(path), Some(record)) = (shown.first(), records().next()) {
+        let title = format!("{}: {}", path.file_name().unwrap_or(path.as_os_str()).display(), record.title);
+        outputs.fill("plot", || Ok(format.encode(&rocking_charts::record::record(record, &title)?)?))?;
+    }
     let written = outputs.write()?;
     let named: Vec<(String, &Record)> = shown.iter().map(|path| path.display().to_string()).zip(records()).collect();
     let report = |(file, record): &(String, &Record)| report(file, record, &measures, &rotations, *g);

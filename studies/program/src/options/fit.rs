@@ -20,7 +20,7 @@ use rocking_studies::spec::words::Words;
 pub struct FitOptions {
     /// Limit to exceed: overturned, balance (the rotation that puts the centre of mass over the corner), a number such as 0.5 for
     /// |theta|/alpha > 0.5, in metres a slip such as slip:0.1 or a plastic elongation of a tie or damper such as plastic:0.02, or a
-    /// number of half cycles of the latter such as half_cycles:20; of blocks in space a number is the tilt over that of the balance over
+    /// number of half cycles of the latter such as half_cycles:20, or breaks for a tie or damper that breaks; of blocks in space a number is the tilt over that of the balance over
     /// the nearest edge, and there are twist:0.1 in rad and drift:0.1 in metres. By default overturned, or balance for blocks with ties. Counts the probabilities of ensembles if the table has them, else the
     /// outcomes of runs
     #[arg(long, value_name = "LIMIT")]

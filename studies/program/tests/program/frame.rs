@@ -42,3 +42,15 @@ fn frames_that_are_none_are_refused() {
     }
     assert_eq!(files(folder.path()), [""; 0]);
 }
+
+/// The picture has the rotation, the beam and the forces of a column.
+#[test]
+fn a_frame_has_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = "frame --columns 4 --width 1 --height 5 --mass 5000 --beam-mass 20000 --theta 0.05 --plot frame.svg";
+    stdout(folder.path(), &options.split(' ').collect::<Vec<_>>());
+    let svg = std::fs::read_to_string(folder.path().join("frame.svg")).unwrap();
+    for words in ["free motion", "θ/α", "beam (m)", "force of a column (kN)", "horizontal force of the base"] {
+        assert!(svg.contains(words), "{words}");
+    }
+}

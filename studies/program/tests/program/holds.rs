@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::program::{Table, program, refused, stdout, text};
+use crate::program::{RECORD, Table, program, refused, stdout, text};
 
 fn folder() -> tempfile::TempDir {
     tempfile::tempdir().unwrap()
@@ -433,4 +433,33 @@ fn undecided_blocks_on_ties_are_counted_or_give_a_range() {
     assert_eq!(higher["rows"]["exceeded"], known);
     assert_eq!(higher["rows"]["exceeded_at_most"], known + open);
     assert!(higher["warnings"][0].as_str().unwrap().contains("may exceed the limit"), "{}", higher["warnings"]);
+}
+
+/// The limit `breaks`: the rows in which a tie broke, and those that overturned.
+#[test]
+fn a_broken_tie_is_a_limit() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let study = format!(
+        "[study]\ndesign = \"grid\"\nlevels = {{ im = \"PGV\", values = [0.1, 0.2, 0.3, 0.4, 0.6, 0.8] }}\n[parameters]\nfoundation = \"rigid\"\n\
+         parameterization = \"physical\"\nphysical.width = 0.5\nphysical.center_height = [1.0, 1.2]\nmass = 500\ntie_1.stiffness = 1e5\n\
+         tie_1.block_x = -0.25\ntie_1.block_z = 2\ntie_1.ground_x = -1\ntie_1.ground_z = 2\ntie_1.strength = [500, 1500, 4000]\n\
+         [[records]]\nhorizontal = \"{}\"\npolarity = \"both\"\n",
+        RECORD.replace("np01002p_4225a_a", "*")
+    );
+    std::fs::write(folder.join("study.toml"), &study).unwrap();
+    stdout(folder, &["sweep", "study.toml", "--csv", "runs.csv"]);
+    let table = Table::read(&folder.join("runs.csv"));
+    let rows = || 0..table.rows.len();
+    let breaks = |row: &usize| table.number(*row, "ties.broken") > 0.0;
+    let expected = rows().filter(|row| breaks(row) || table.get(*row, "outcome") == "overturned").count();
+    assert!(rows().filter(breaks).count() > 5 && rows().filter(|row| !breaks(row)).count() > 5);
+    let found = stdout(folder, &["fragility", "runs.csv", "--im", "PGV", "--limit", "Breaks"]);
+    assert!(found.contains(&format!("breaks: exceeded in {expected} of {} rows", table.rows.len())), "{found}");
+
+    let study = study.replace("levels =", "ensemble = { scale = 0.1, samples = 4, limits = [\"breaks\"] }\nlevels =");
+    std::fs::write(folder.join("study.toml"), study).unwrap();
+    stdout(folder, &["sweep", "study.toml", "--csv", "ensemble.csv"]);
+    let table = Table::read(&folder.join("ensemble.csv"));
+    assert!(table.column("P(breaks)").iter().any(|p| *p > 0.0 && *p < 1.0));
 }

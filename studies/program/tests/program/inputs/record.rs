@@ -3,7 +3,7 @@
 use rocking_records::{Format, ReadOptions, Record, read};
 use rocking_studies::intensity::Measure;
 
-use crate::program::{RECORD, refusal, rocking, stdout, text};
+use crate::program::{RECORD, refusal, refused, rocking, stdout, text};
 
 /// The table of a record holds the same bits, including the time step.
 #[test]
@@ -201,4 +201,19 @@ fn implausible_peaks_and_displacements_draw_warnings() {
     let drift = warned("drift.csv", 0.6);
     assert!(drift.starts_with("rocking: warning: drift.csv: the PGD is 1.18803 m; expected at most 1 m"), "{drift}");
     assert!(warned("counts.csv", 60.0).contains("counts.csv: the peak is 6.000e1 m/s², more than in any earthquake"));
+}
+
+/// The picture has acceleration, velocity and spectrum, of one record.
+#[test]
+fn a_record_has_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    stdout(folder, &["record", RECORD, "--plot", "record.svg"]);
+    let svg = std::fs::read_to_string(folder.join("record.svg")).unwrap();
+    for words in
+        ["np01002p_4225a_a.smc: ", "acceleration (m/s²)", "velocity (m/s)", "Sa, 5 % damping (m/s²)", "period (s)"]
+    {
+        assert!(svg.contains(words), "{words}");
+    }
+    refused(folder, &["record", RECORD, RECORD, "--plot", "x.svg"], &["--plot with 2 records; expected one"]);
 }

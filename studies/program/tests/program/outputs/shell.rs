@@ -7,7 +7,7 @@ use crate::outputs::folder;
 use crate::program::{fails_with, files, program, succeeds, text};
 use crate::skipped::skip;
 
-const COMMANDS: [&str; 20] = [
+const COMMANDS: [&str; 21] = [
     "simulate",
     "sketch",
     "pushover",
@@ -15,6 +15,7 @@ const COMMANDS: [&str; 20] = [
     "spectrum",
     "sweep",
     "parts",
+    "portfolio",
     "merge",
     "ida",
     "record",
