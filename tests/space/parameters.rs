@@ -104,5 +104,5 @@ fn records_of_other_steps_or_lengths_are_no_pair() {
     assert!(pair(record("0\n-1\n-2\n", 0.01)).is_ok());
     let errors = [record("0\n1\n2\n", 0.02), record("0\n1\n", 0.01)].map(|other| pair(other).unwrap_err());
     assert_eq!(errors[0], "record.y has a time step of 0.02 s; expected that of record.x, 0.01 s");
-    assert_eq!(errors[1], "record.y has a duration of 0.01 s; expected that of record.x, 0.02 s");
+    assert_eq!(errors[1], "record.y has 2 samples; expected the 3 samples of record.x");
 }
