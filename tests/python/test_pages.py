@@ -23,6 +23,7 @@ COMMAND_PAGES = [ROOT / page for page in (
     "README.md", "docs/program.md", "docs/python.md", "docs/foundations.md", "docs/tutorial.md", "docs/gallery.md", "docs/pulses.md",
     "docs/guides/record.md", "docs/guides/foundation.md", "docs/guides/fragility.md", "docs/guides/analysis.md")]
 PYTHON_PAGES = [ROOT / page for page in ("README.md", "docs/python.md", "docs/importing.md", "docs/guides/fmu.md", "docs/frames.md",
+                                             "docs/guides/slenderness.md",
                                              "docs/guides/analysis.md",
                                              "docs/floors.md")]
 PROGRAM = Path(os.environ.get("ROCKING_BLOCK_PROGRAM", ROOT / "target/release/rocking"))

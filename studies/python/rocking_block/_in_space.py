@@ -403,6 +403,20 @@ class RunInSpace:
         """Rotation about the vertical [rad], positive from +x towards +y."""
         return self.columns["twist"]
 
+    def plot(self) -> npt.NDArray[Any]:
+        """Draws tilt, twist, forces and slips of the feet, and ground acceleration over time with Matplotlib, in a new figure.
+
+        Of more than four feet the range of their forces and slips is drawn.
+
+        Returns
+        -------
+        array of Axes
+            The panels.
+        """
+        from rocking_block import _plot_in_space
+
+        return _plot_in_space.run(self)
+
     def to_frame(self) -> pandas.DataFrame:
         """Returns the columns as a pandas DataFrame with the index `t` [s]."""
         with optional("to_frame", "pandas"):

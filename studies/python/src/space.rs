@@ -11,6 +11,7 @@ use pyo3::types::PyDict;
 use rocking_block::excitation::PulseShape;
 use rocking_block::excitation::records::Ground;
 use rocking_block::space::{FootPlace, SpaceBody, SpaceGround, SpaceInitial, SpaceParameters};
+use rocking_charts::sketch::SketchInSpace;
 use rocking_studies::doubts;
 use rocking_studies::intensity::{BlockScales, Measure};
 use rocking_studies::output::runner::StudyRows;
@@ -111,6 +112,13 @@ impl BlockInSpace {
     #[getter]
     fn _inertia(&self) -> [f64; 6] {
         facts::inertia(&self.body)
+    }
+
+    /// Returns the sketch of `rocking sketch` as SVG, which notebooks show.
+    fn _repr_svg_(&self, py: Python) -> PyResult<String> {
+        let has_height = !self.given.bind(py).contains("center_height")?;
+        let height = has_height.then_some(2.0 * self.body.center_height);
+        SketchInSpace { parameters: &self.parameters, body: &self.body, height }.svg().map_err(invalid)
     }
 
     /// Returns x and y of each foot from the centre of mass, and its gap [m].

@@ -293,3 +293,25 @@ def test_fragility_in_space_has_its_own_limits():
         rb.fragility(table, "PGV.RotD50", limit="balance")
     found = rb.ida(table, "PGV.RotD50")
     assert found.rotation == "tilt over that of the balance" and len(found.curves) == 12
+
+
+def test_a_run_is_drawn(tmp_path):
+    """Curves of each of four feet, the range of more, and no ground where none moves."""
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    run = rb.BlockInSpace(**STONE).run(pulse=SINE, azimuth=30, duration=2)
+    panels = run.plot()
+    assert [panel.get_ylabel().partition(" ")[0] for panel in panels] == ["tilt", "twist", "N/(M", "slip", "ground"]
+    tilt, _, forces, *_ = panels
+    assert np.array_equal(tilt.lines[0].get_ydata(), run.tilt / run.block.alpha_edge)
+    assert [line.get_label() for line in forces.lines[:4]] == run.block.foot_names
+    assert sum(line.get_ydata()[0] for line in forces.lines[:4]) == pytest.approx(1.0)
+    panels = rb.BlockInSpace(base="circle", feet=6, alpha=0.2, p=2.0, eta=60).run(tilt_x=0.05, duration=1).plot()
+    assert len(panels) == 4 and len(panels[2].collections) == 1
+    panels[0].figure.savefig(tmp_path / "run.png")
+    pyplot.close("all")
+
+
+def test_notebooks_show_a_block_as_its_sketch():
+    sketch = rb.BlockInSpace(**STONE)._repr_svg_()
+    assert sketch.startswith("<svg") and "depth = 0.8 m" in sketch and "2h = 2 m" in sketch
+    assert "2h" not in rb.BlockInSpace(width=0.5, center_height=0.9, eta=60.0)._repr_svg_()
