@@ -33,7 +33,7 @@ import numpy as np
 import rocking_block as rb
 
 sys.path.insert(0, str(Path(__file__).parent))
-from shaking_table import Folder, judged, mcnemar, probabilities, reliability, rule, wilson  # noqa: E402
+from shaking_table import Folder, gain, judged, mcnemar, probabilities, reliability, rule, wilson  # noqa: E402
 
 SCANS = {"SP1": ("SP1", "SP1_scan"), "SP2": ("SP2", "SP2_cloud")}
 YAWS = [math.radians(turn + yaw) for turn in (0, 180) for yaw in (-10, 0, 10)]
@@ -99,7 +99,7 @@ def block(scan, which, number, draw):
     numbers = {name: float(draw[name][number]) for name in ("xi_v", "kappa", "friction")}
     tensor = [inertia[0, 0], inertia[1, 1], inertia[2, 2], inertia[0, 1], inertia[0, 2], inertia[1, 2]]
     given = {"feet": feet, "center_height": height, "inertia_tensor": tensor, "mass": scan["mass_listed"]}
-    p = rb.BlockInSpace(**given, **numbers, omega_v=100.0).p
+    p = rb.BlockInSpace(**given, **numbers, omega_v=1e3).p
     return rb.BlockInSpace(**given, **numbers, omega_v=float(draw["eta"][number]) * p)
 
 
@@ -131,6 +131,7 @@ def assess(folder, scans, rock, members, which):
         "mean probability": float(found.mean()),
         "reliability": reliability(happened, found),
         "McNemar": {"only in space right": only_space, "only in the plane right": only_plane, "p": chance},
+        "gain": gain(happened, found, plane, folder.motions()),
         "probabilities": {"happened": happened.tolist(), "space": found.tolist(), "plane": plane.tolist()},
     }
 
@@ -146,7 +147,9 @@ def show(results):
         for predicted, frequency, count in found["reliability"]:
             print(f"    {predicted:6.2f} {frequency:6.2f} {count:6d}")
         test = found["McNemar"]
-        print(f"  only in space right {test['only in space right']}, only in the plane {test['only in the plane right']} (p = {test['p']:.2f})")
+        print(f"  only in space right {test['only in space right']}, only in the plane {test['only in the plane right']}")
+        mean, low, high = found["gain"]
+        print(f"  accuracy in space over that in the plane: {mean:+.3f} ({low:+.3f} to {high:+.3f}, 95 % by motions)")
         print(f"  runs that failed or remained undecided: {found['unknown runs']:.2%}")
 
 
