@@ -13,7 +13,7 @@ def browser():
     if path is None:
         if skipped := os.environ.get("ROCKING_BLOCK_SKIPPED"):
             with open(skipped, "a") as file:
-                file.write("studies/web/tests/test_page.py: chromium is not installed\n")
+                file.write("studies/web/tests: chromium is not installed\n")
         pytest.skip("chromium is not installed")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=FLAGS)

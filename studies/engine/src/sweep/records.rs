@@ -227,7 +227,7 @@ impl<T> Files<'_, '_, T> {
             (
                 "polarity",
                 in_space && polarity.is_some(),
-                "is for a block in the plane; expected azimuths in [study], of which 180 reverses a pair of records",
+                "is for a block in the plane; expected azimuths in [study]: an azimuth of 180 reverses a pair of records",
             ),
             ("polarity", is_both && horizontal.is_none(), "has no effect without horizontal"),
             (

@@ -94,7 +94,7 @@ fn objects_are_ranked_by_the_rates_of_their_reports() {
     assert!(page.contains("1 (1 to 3)") && page.contains("“The tall one” comes first"));
 }
 
-/// A call after another one makes no run that it finds.
+/// A second call reuses the rows of the first.
 #[test]
 fn kept_rows_are_used() {
     let folder = museum();
