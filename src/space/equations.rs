@@ -34,7 +34,7 @@ fn put<T: Component>(state: &mut [T], from: usize, v: Vector3<T>) {
 }
 
 impl SpaceEquations<'_> {
-    /// Writes the rates of a state at a time (s).
+    /// Writes the rates of a state at a time (s). Both have the numbers of a state of this block.
     pub fn rates<T: Component + CombinesWith<f64>>(&self, time: T, state: &[T], rates: &mut [T]) {
         self.rates_under(&self.excitation.at(time), state, rates);
     }
