@@ -5,7 +5,7 @@
 #[error("found {found}; expected {expected}")]
 pub struct Mismatch {
     found: String,
-    expected: String,
+    pub(crate) expected: String,
 }
 
 impl Mismatch {

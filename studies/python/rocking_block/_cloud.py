@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
-from rocking_block._cases import cases_of, numbers
+from rocking_block._cases import Question, cases_of, numbers, rows_of
 from rocking_block._fragility import Fragility, fragility
 from rocking_block._table import Table, by_name, read_table, split_heading
 from rocking_block._words import Floats
@@ -181,7 +181,7 @@ def cloud(
         raise ValueError("found an ensemble; expected the rotation and the outcome of a single run in each row")
     if not 0.0 < ci < 1.0:
         raise ValueError(f"ci = {ci}; expected a number above 0 and below 1")
-    ((measure, overturned, _, peak, motions),) = cases_of(table, im, "overturned", cluster).batches
+    measure, overturned, _, peak, motions = rows_of(cases_of(table, Question(im, "overturned", cluster)))
     known = ~np.isnan(measure) & ~np.isnan(overturned)
     missing = int((np.isnan(measure) & ~np.isnan(overturned)).sum())
     if missing:

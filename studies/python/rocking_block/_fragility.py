@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
-from rocking_block._cases import Cases, Files, Rows, cases_of, limit_word
+from rocking_block._cases import Files, Question, Rows, cases_of, limit_of, limit_word, rows_of
 from rocking_block._record import Record
 from rocking_block._table import Table
 from rocking_block._html import html_table
@@ -117,14 +117,16 @@ class Fragility(_engine.Fragility):
         options: tuple[str, float, int | None, int],
         labels: tuple[str, str, str | float, int, int, int, int, tuple[float, float]],
         tick: Any = lambda done, total: None,
-        cases: Cases | None = None,
+        cases: _engine.Cases | None = None,
         cluster: str | None = None,
         unknown_exceed: bool | None = None,
     ) -> Self:
-        if isinstance(source, Files):
-            cases = cases or source.cases(unknown_exceed=unknown_exceed)
-            store, motions = cases.store, cases.motions
+        if cases is None and isinstance(source, Files):
+            cases = source.cases(unknown_exceed=unknown_exceed)
+        if cases is not None:
+            store, motions = cases.stored()
         else:
+            assert not isinstance(source, Files)
             store, (measures, *_, numbers) = _engine.CaseStore(), source
             store.push(np.arange(len(measures), dtype=np.int64), *source, unknown_exceed)
             # Motions are numbered in the order of their first rows.
@@ -158,8 +160,7 @@ class Fragility(_engine.Fragility):
     def _rows(self) -> tuple[Floats, Floats]:
         source = self._source
         if isinstance(source, Files):
-            columns = [np.concatenate(column) for column in zip(*source.cases(keep=True).batches, strict=True)]
-            source = (columns[0], columns[1], columns[2], columns[3], columns[4])
+            source = rows_of(source.cases(keep=True))
         # Those in the fit.
         known = ~np.isnan(source[0]) & ~np.isnan(source[1])
         if known.sum() != self.rows:
@@ -348,30 +349,28 @@ def fragility(
     if not isinstance(im, str):
         raise TypeError(f"im = {im!r}; expected the name of one column, such as 'PGV'")
     source: Rows | Files
-    conditions = tuple((where or {}).items())
+    question = Question(im, limit, cluster, tuple((where or {}).items()))
     resampled = chosen("intervals", intervals, ("profile", "bootstrap")) == "bootstrap"
     if isinstance(table, str | os.PathLike):
-        source = Files(os.fspath(table), im, limit, partial, cluster, conditions)
+        source = Files(os.fspath(table), partial, question)
         cases = source.cases()
-        source = dataclasses.replace(source, limit=cases.limit)
+        source = dataclasses.replace(source, question=dataclasses.replace(question, limit=limit_of(cases.limit)))
     elif not hasattr(table, "keys") or not hasattr(table, "__getitem__"):
         raise TypeError(f"table = {table!r}; expected a Table, a DataFrame, a mapping of columns, or the path of a file")
     elif partial:
         raise ValueError("partial has no effect without a folder of parts")
     else:
-        cases = cases_of(table, im, limit, cluster, conditions)
-        (source,) = cases.batches
-        for column in source:
-            column.setflags(write=False)
-    assert cases.limit is not None
-    im, unit, shares = cases.im, cases.unit, (cases.least / cases.all, cases.most / cases.all)
-    labels = (im, unit, cases.limit, cases.failed, cases.separated, cases.undecided, cases.missing, shares)
+        cases = cases_of(table, question)
+        source = rows_of(cases)
+    (im, unit), (rows, failed, separated, undecided, missing, partly) = cases.heading, cases.counts
+    least, most = cases.exceeded
+    labels = (im, unit or "", limit_of(cases.limit), failed, separated, undecided, missing, (least / rows, most / rows))
     options = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:
-        fit = Fragility(source, options, labels, tick, cases, cases.motions.cluster)
+        fit = Fragility(source, options, labels, tick, cases, cluster)
     doubts = [f"{fit.undecided} undecided rows may exceed the limit and are left out of the curve"] if fit.undecided else []
-    if cases.partly:
-        doubts.append(f"in {cases.partly} rows, samples without a known outcome may exceed the limit and are left out of its probability")
+    if partly:
+        doubts.append(f"in {partly} rows, samples without a known outcome may exceed the limit and are left out of its probability")
     if fit.without_response:
         doubts.append(f"{fit.without_response} rows without the response of the limit are left out of the curve")
     if doubts:

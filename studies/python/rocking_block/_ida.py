@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rocking_block import _engine
-from rocking_block._cases import TILT, numbers, outcomes_of, rotation
+from rocking_block._cases import columns
 from rocking_block._studies import swept
 from rocking_block._table import Table, by_name, read_table, split_heading
 from rocking_block._words import Floats, OnSeparation
@@ -48,23 +48,13 @@ class Ida(_engine.Ida):
     _arguments: tuple[Any, ...]
 
     def __new__(cls, table: Table, im: str) -> Self:
-        described = [(name, list(map(str, table[name].tolist()))) for name in table if _engine.describes_curve(name, im)]
-        levels, peaks = numbers(table, im), numbers(table, rotation(table))
-        missing = np.flatnonzero(np.isnan(levels))
-        if missing.size:
-            raise ValueError(f"{im} is missing in row {missing[0]}; expected a level in each row")
-        found = super().__new__(cls, described, levels, peaks, outcomes_of(table).tolist())
+        found = super().__new__(cls, list(columns(table)), im)
         found.im, found.unit, found.table = im, table.units.get(im, ""), table
         found._arguments = (table, im)
         return found
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (type(self), self._arguments)
-
-    @property
-    def rotation(self) -> str:
-        """The rotation whose peaks the curves have: |θ|/α, or the tilt over that of the balance in space."""
-        return "tilt over that of the balance" if TILT in self.table else "|θ|/α"
 
     @property
     def curves(self) -> tuple[IdaCurve, ...]:

@@ -165,7 +165,7 @@ class Table(dict[str, npt.NDArray[Any]]):
         first = listed[0]
         for number, table in enumerate(listed):
             if list(table) != list(first) or table.units != first.units:
-                headings = [", ".join(map(one._heading, one)) for one in (table, first)]
+                headings = [", ".join(map(one.heading, one)) for one in (table, first)]
                 raise ValueError(f"table {number} has the columns {headings[0]}; expected those of the first, {headings[1]}")
         return Table({name: np.concatenate([table[name] for table in listed]) for name in first}, first.units)
 
@@ -239,9 +239,10 @@ class Table(dict[str, npt.NDArray[Any]]):
         """
         from rocking_block import _plot_table
 
-        return _plot_table.table(self, self._heading, x, y, by, ax, style)
+        return _plot_table.table(self, self.heading, x, y, by, ax, style)
 
-    def _heading(self, name: str) -> str:
+    def heading(self, name: str) -> str:
+        """Returns the name of a column with its unit, as in the program's tables."""
         return f"{name} [{self._units[name]}]" if name in self._units else name
 
     def _count(self) -> str:
@@ -250,14 +251,14 @@ class Table(dict[str, npt.NDArray[Any]]):
 
     def __repr__(self) -> str:
         outcomes = f"{self._count()}; " if self._count() else ""
-        return f"<Table of {self.rows} rows, shape {self.shape}: {outcomes}{', '.join(map(self._heading, self))}>"
+        return f"<Table of {self.rows} rows, shape {self.shape}: {outcomes}{', '.join(map(self.heading, self))}>"
 
     def _repr_html_(self) -> str:
         shown = self[:10]
         caption = f"{self.rows} rows, shape {self.shape}" + (f": {self._count()}" if self._count() else "")
         if self.rows > shown.rows:
             caption += f"; the first {shown.rows} are shown"
-        return html_table(caption, [self._heading(name) for name in self], zip(*shown.values(), strict=True), ("record", "vertical"))
+        return html_table(caption, [self.heading(name) for name in self], zip(*shown.values(), strict=True), ("record", "vertical"))
 
 
 def split_heading(heading: str) -> tuple[str, str | None]:
@@ -329,11 +330,11 @@ def _read_table(path: str | os.PathLike[str], partial: bool) -> Table:
 
 
 def for_each_batch(
-    path: str | os.PathLike[str], named: Sequence[str], partial: bool, each: Callable[[Table, bool], None]
+    path: str | os.PathLike[str], partial: bool, cases: _engine.Cases, each: Callable[[Table, bool], None]
 ) -> None:
-    """Passes the columns of a table that a fit over the named ones needs on in batches, with whether the rows are those of parts."""
+    """Has cases take the rows of a table. Those that the engine does not read are passed on in batches, with whether they are those of parts."""
     with _local(path) as place:
-        _for_each_batch(place, named, partial, each)
+        _for_each_batch(place, partial, cases, each)
 
 
 @contextmanager
@@ -356,18 +357,18 @@ def _local(path: str | os.PathLike[str]) -> Iterator[str | os.PathLike[str]]:
 
 
 def _for_each_batch(
-    path: str | os.PathLike[str], named: Sequence[str], partial: bool, each: Callable[[Table, bool], None]
+    path: str | os.PathLike[str], partial: bool, cases: _engine.Cases, each: Callable[[Table, bool], None]
 ) -> None:
     files, is_part = _files(path, partial)
     if _is_of_engine(files[0]):
-        _engine.read_batches(path, partial, list(named), lambda columns: each(of_columns(map(_of_program, columns)), is_part))
+        cases.read(path, partial)
         return
     with optional("a Parquet file", "pyarrow"):
         import pyarrow
         import pyarrow.parquet
 
     def is_wanted(heading: str) -> bool:
-        return _engine.is_needed(split_heading(heading)[0], list(named))
+        return cases.needs(split_heading(heading)[0])
 
     def read(file: File) -> None:
         keys = {name: value for name, value in file.keys.items() if is_wanted(name)}

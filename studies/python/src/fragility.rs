@@ -1,17 +1,21 @@
 //! Outcomes over an intensity measure → a fragility curve.
 
+use std::path::PathBuf;
+
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use rocking_studies::fragility::{
-    self as engine, Assessment, Case, Component, Goodness, Interval, Limit, Link, LossProgram, Uncertainty, completed,
-    openquake, pelicun,
+    self as engine, Assessment, Case, ChosenRows, Collected, Component, Goodness, Interval, Limit, Link, LossProgram,
+    RowCounts, RowOutcome, SweepTable, SweepTableError, Uncertainty, completed, is_needed, openquake, pelicun,
 };
 use rocking_studies::intensity::Measure;
-use rocking_studies::run::outcome::{End, rocks as has_rocked};
+use rocking_studies::output::parts::PartsError;
+use rocking_studies::output::table::{Heading, Table};
 use rocking_studies::statistics::range;
 
 use crate::measures::{behind, column};
 use crate::options::{choice, finite, invalid, pool, whole};
+use crate::table::{GivenColumn, files, table};
 use crate::work::wait;
 
 /// Lower and upper ends. An end that the data do not bound is the limit of the possible values.
@@ -69,17 +73,12 @@ impl CaseStore {
     }
 }
 
-/// The ground motions of a table, numbered from its columns batch by batch.
+/// The ground motions of a table.
 #[pyclass(module = "rocking_block._engine")]
 pub struct Motions(engine::Motions);
 
 #[pymethods]
 impl Motions {
-    #[new]
-    fn new(cluster: Option<String>) -> Motions {
-        Motions(engine::Motions::clustered(cluster))
-    }
-
     /// Motions with these numbers in the order of their first rows.
     #[staticmethod]
     fn in_order(cluster: Option<String>, count: usize) -> Motions {
@@ -90,50 +89,185 @@ impl Motions {
     fn cluster(&self) -> Option<String> {
         self.0.cluster.clone()
     }
+}
 
-    /// Returns the columns that tell the motions, among these of a table.
-    fn columns(&self, known: Vec<String>) -> Vec<String> {
-        self.0.columns(|name| known.iter().any(|known| known == name)).into_iter().map(String::from).collect()
+/// The outcomes of a table's rows relative to a limit, taken batch by batch.
+#[pyclass(module = "rocking_block._engine")]
+pub struct Cases {
+    im: String,
+    /// The names of the columns that are read whatever the study.
+    named: Vec<String>,
+    rows: ChosenRows,
+    found: Collected,
+    /// Number of rows of the batches before, including those that do not count.
+    before: usize,
+    /// The measure, after the first batch.
+    heading: Option<Heading>,
+    unknown_exceed: Option<bool>,
+    /// The rows, if they are kept.
+    kept: Option<KeptRows>,
+}
+
+#[pymethods]
+impl Cases {
+    /// Begins with the measure, the limit, the usual one by default, the column of clusters, and columns with the values of the rows that
+    /// count. `unknown_exceed` is the outcome of runs without a verdict in the store, which are left out without it; `keep` keeps the rows.
+    #[new]
+    fn new(
+        im: String,
+        limit: Option<&str>,
+        cluster: Option<String>,
+        conditions: Vec<(String, String)>,
+        unknown_exceed: Option<bool>,
+        keep: bool,
+    ) -> PyResult<Cases> {
+        let limit = limit.map(str::parse).transpose().map_err(invalid)?;
+        let columns = conditions.iter().map(|(column, _)| column).chain(&cluster);
+        let named = std::iter::once(&im).chain(columns).cloned().collect();
+        let found = Collected::new(limit, cluster, vec![(im.clone(), None)]);
+        let found = if unknown_exceed.is_some() { found.with_completions() } else { found };
+        let (rows, kept) = (ChosenRows::new(conditions), keep.then(Default::default));
+        Ok(Cases { im, named, rows, found, before: 0, heading: None, unknown_exceed, kept })
     }
 
-    /// Returns the number of the motion with each list of words in these columns, and -1 without a word.
-    fn number(&mut self, columns: Vec<String>, words: Vec<Vec<String>>) -> Vec<i64> {
-        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
-        let mut number = |words: &Vec<String>| {
-            let number = self.0.number(&columns, &words.iter().map(String::as_str).collect::<Vec<_>>());
-            number.map_or(-1, |number| number as i64)
+    /// Whether a column is read.
+    fn needs(&self, column: &str) -> bool {
+        is_needed(column, &self.named)
+    }
+
+    /// Takes a batch of rows of a table with all these headings; rows of parts are in the order of their numbers, others in that of the
+    /// batches.
+    fn take(&mut self, file: &str, columns: Vec<GivenColumn>, headings: Vec<String>, is_part: bool) -> PyResult<()> {
+        self.take_table(file, table(columns), headings, is_part).map_err(invalid)
+    }
+
+    /// Takes the rows of a table in CSV, or of the parts of a study.
+    fn read(&mut self, py: Python, path: PathBuf, partial: bool) -> PyResult<()> {
+        let files = files(&path, partial).map_err(invalid)?;
+        let (name, is_part) = (path.display().to_string(), files.are_numbered());
+        let named = self.named.clone();
+        let is_wanted = |column: &str| is_needed(column, &named);
+        let mut take = |table: Table, headings: &[String]| -> Result<(), Ended> {
+            py.check_signals()?;
+            Ok(self.take_table(&name, table, headings.to_vec(), is_part).map_err(invalid)?)
         };
-        words.iter().map(&mut number).collect()
+        files.read_batches(&is_wanted, &mut take).map_err(|Ended(error)| error)
     }
 
-    /// Takes note of rows of motions at these places of the table.
-    fn see(&mut self, numbers: Vec<i64>, places: Vec<u64>) {
-        for (number, place) in numbers.into_iter().zip(places) {
-            if let Ok(number) = usize::try_from(number) {
-                self.0.see(number, place);
-            }
+    /// Refuses a table none of whose rows met a condition.
+    fn check(&self, file: &str) -> PyResult<()> {
+        self.rows.check(file).map_err(invalid)
+    }
+
+    /// The store and the motions, which are empty afterwards.
+    fn stored(&mut self) -> (CaseStore, Motions) {
+        let Collected { stores, completions, motions, .. } = &mut self.found;
+        let store = match (completions, self.unknown_exceed) {
+            (Some(completions), Some(exceed)) => std::mem::take(&mut completions[usize::from(exceed)]),
+            _ => std::mem::take(&mut stores[0]),
+        };
+        (CaseStore(store), Motions(std::mem::take(motions)))
+    }
+
+    /// The kept rows, as [`CaseStore::push`] takes them; `None` afterwards. Motions are numbered by their first rows: call it before
+    /// `stored`.
+    fn kept<'py>(&mut self, py: Python<'py>) -> Option<Rows<'py>> {
+        let KeptRows { measures, fractions, unknown, peaks, mut motions } = self.kept.take()?;
+        let ranks = self.found.motions.ranks();
+        for motion in motions.iter_mut().filter(|motion| **motion >= 0) {
+            *motion = ranks[*motion as usize] as i64;
         }
+        let [measures, fractions, unknown, peaks] =
+            [measures, fractions, unknown, peaks].map(|numbers| PyArray1::from_vec(py, numbers));
+        Some((measures, fractions, unknown, peaks, PyArray1::from_vec(py, motions)))
+    }
+
+    /// The name and the unit of the measure.
+    #[getter]
+    fn heading(&self) -> (String, Option<String>) {
+        self.heading.as_ref().map_or((self.im.clone(), None), |heading| (heading.name.clone(), heading.unit.clone()))
+    }
+
+    /// The word of the limit.
+    #[getter]
+    fn limit(&self) -> String {
+        self.found.limit.unwrap_or(Limit::Overturned).to_string()
+    }
+
+    /// Numbers of all rows, of failed, separated and undecided ones, of those without the response of the limit, and of ensembles with
+    /// samples without a known outcome.
+    #[getter]
+    fn counts(&self) -> [usize; 6] {
+        let RowCounts { all, failed, separated, undecided, without_response, partly_known, .. } = self.found.counts;
+        [all, failed, separated, undecided, without_response, partly_known]
+    }
+
+    /// Least and greatest number of rows that exceed the limit.
+    #[getter]
+    fn exceeded(&self) -> Ends {
+        (self.found.counts.exceeded, self.found.counts.exceeded_at_most)
     }
 }
 
-/// Returns for each row whether its run exceeds a limit: 1 or 0, and nan if that is unknown. `codes` are the positions of the outcomes of
-/// the rows among words, and `responses` the greatest values of the quantity of the limit, nan where they are missing.
-#[pyfunction]
-pub fn verdicts<'py>(
-    py: Python<'py>,
-    limit: &str,
-    words: Vec<String>,
-    codes: PyReadonlyArray1<i64>,
-    responses: PyReadonlyArray1<f64>,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let limit: Limit = limit.parse().map_err(invalid)?;
-    let ends = words.iter().map(|word| word.parse::<End>().map_err(invalid)).collect::<PyResult<Vec<_>>>()?;
-    let (codes, responses) = (codes.as_array(), responses.as_array());
-    let verdict = |(code, response): (&i64, &f64)| {
-        let verdict = limit.verdict(ends[*code as usize], Some(*response).filter(|response| !response.is_nan()));
-        verdict.map_or(f64::NAN, |exceeds| f64::from(u8::from(exceeds)))
-    };
-    Ok(PyArray1::from_iter(py, codes.iter().zip(responses.iter()).map(verdict)))
+/// Rows as [`CaseStore::push`] takes them.
+#[derive(Default)]
+struct KeptRows {
+    measures: Vec<f64>,
+    fractions: Vec<f64>,
+    unknown: Vec<f64>,
+    peaks: Vec<f64>,
+    motions: Vec<i64>,
+}
+
+/// Measures, fractions, fractions without a verdict, peaks and motions of rows.
+type Rows<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<i64>>,
+);
+
+impl Cases {
+    fn take_table(
+        &mut self,
+        file: &str,
+        table: Table,
+        headings: Vec<String>,
+        is_part: bool,
+    ) -> Result<(), SweepTableError> {
+        let first = self.before;
+        self.before += table.rows();
+        let mut batch = SweepTable::batch(file, table, headings, first);
+        self.rows.keep(&mut batch)?;
+        self.heading = Some(batch.column(&self.im)?.heading.clone());
+        let rows = self.found.take(&batch, is_part)?;
+        if let Some(kept) = &mut self.kept {
+            kept.measures.extend(batch.numbers(&self.im)?.into_iter().map(|measure| measure.unwrap_or(f64::NAN)));
+            for RowOutcome { fraction, unknown, peak, motion, .. } in rows {
+                kept.fractions.push(fraction.unwrap_or(f64::NAN));
+                kept.unknown.push(unknown);
+                kept.peaks.push(peak.unwrap_or(f64::NAN));
+                kept.motions.push(motion.map_or(-1, |number| number as i64));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The exception that ends the reading of a table.
+struct Ended(PyErr);
+
+impl From<PyErr> for Ended {
+    fn from(error: PyErr) -> Ended {
+        Ended(error)
+    }
+}
+
+impl From<PartsError> for Ended {
+    fn from(error: PartsError) -> Ended {
+        Ended(invalid(error))
+    }
 }
 
 /// A least-squares line, attributes in Python.
@@ -175,18 +309,6 @@ pub fn line(
         p: found.p(),
         independence: found.independence.words(cluster),
     })
-}
-
-/// Returns for each row of a block that stands whether it rocked, from its peak |θ|/α and the number of its lift-offs if they are known.
-#[pyfunction]
-pub fn rocks<'py>(
-    py: Python<'py>,
-    peaks: PyReadonlyArray1<f64>,
-    liftoffs: Option<PyReadonlyArray1<f64>>,
-) -> Bound<'py, PyArray1<bool>> {
-    let liftoffs = liftoffs.as_ref().map(PyReadonlyArray1::as_array);
-    let rocks = |(row, peak): (usize, &f64)| has_rocked(*peak, liftoffs.map(|liftoffs| liftoffs[row]));
-    PyArray1::from_iter(py, peaks.as_array().iter().enumerate().map(rocks))
 }
 
 /// A curve with its uncertainty and predictive power. The Python class of the same name has the documentation.

@@ -1,11 +1,11 @@
 //! Rows of a table at levels of a measure → curves of incremental dynamic analysis.
 
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::PyArray1;
 use pyo3::prelude::*;
-use rocking_studies::fragility::{self as engine, Response};
-use rocking_studies::run::outcome::End;
+use rocking_studies::fragility::{self as engine, Response, SweepTable};
 
 use crate::options::invalid;
+use crate::table::{GivenColumn, table};
 
 /// Curves with their fractiles; the Python class of the same name has the documentation. Overturning is an infinite peak, and an unknown one
 /// nan.
@@ -17,21 +17,16 @@ type Curve<'py> = (String, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)
 
 #[pymethods]
 impl Ida {
-    /// Sorts rows into curves: the columns of blocks and ground motions, levels, peaks |θ|/α and outcomes.
+    /// Sorts the rows of a table into curves over the measure of their levels.
     #[new]
-    fn new(
-        described: Vec<(String, Vec<String>)>,
-        levels: PyReadonlyArray1<f64>,
-        peaks: PyReadonlyArray1<f64>,
-        outcomes: Vec<String>,
-    ) -> PyResult<Ida> {
-        let ends = outcomes.iter().map(|word| word.parse::<End>().map_err(invalid)).collect::<PyResult<Vec<_>>>()?;
-        let numbers = levels.as_array().into_iter().copied().zip(peaks.as_array().into_iter().copied());
-        let names = engine::curve_names(&described, ends.len()).map_err(invalid)?;
-        let rows = names.into_iter().zip(numbers).zip(ends);
-        let rows =
-            rows.map(|((name, (level, peak)), end)| (name, level, Some(peak).filter(|peak| !peak.is_nan()), end));
-        engine::Ida::of(rows).map(Ida).map_err(invalid)
+    fn new(columns: Vec<GivenColumn>, im: &str) -> PyResult<Ida> {
+        engine::Ida::read(&SweepTable::new("table", table(columns)), im).map(Ida).map_err(invalid)
+    }
+
+    /// The rotation whose peaks the curves have.
+    #[getter]
+    fn rotation(&self) -> &'static str {
+        self.0.rotation
     }
 
     /// Returns the levels of the fractiles.
@@ -63,12 +58,6 @@ impl Ida {
     fn level_bounds(&self, fraction: f64, peak: Option<f64>) -> [f64; 2] {
         peak.map_or_else(|| self.0.overturning(fraction), |peak| self.0.reaching(fraction, peak))
     }
-}
-
-/// Whether a column describes the block or the ground motion of a row; `im` is the measure of the levels.
-#[pyfunction]
-pub fn describes_curve(column: &str, im: &str) -> bool {
-    engine::describes_curve(column, im)
 }
 
 fn peak(response: Response) -> f64 {

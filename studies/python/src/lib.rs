@@ -63,10 +63,10 @@ mod _engine {
         building::Building,
         fit::fit,
         foundations::{foundation_pairs, pad_support, soil_support},
-        fragility::{CaseStore, Fragility, Line, Motions, export_fragility, line, rocks, verdicts},
+        fragility::{CaseStore, Cases, Fragility, Line, Motions, export_fragility, line},
         frame::{frame_block, frame_response},
         history::history,
-        ida::{Ida, describes_curve},
+        ida::Ida,
         measures::measure_name,
         options::{check_pulse, pulse_acceleration, pulse_duration},
         pushover::pushover,
@@ -75,7 +75,7 @@ mod _engine {
         search::{search_damping, search_overturning},
         space::{BlockInSpace, history_in_space, outcomes_in_space},
         studies::{Study, outcomes, part_file_name, part_format, strong_scales},
-        table::{is_needed, read_batches, read_table, table_files},
+        table::{read_table, table_files},
         tie::link_numbers,
     };
 }

@@ -3,12 +3,11 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use numpy::PyArray1;
+use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyModule;
-use rocking_studies::fragility;
 use rocking_studies::output::parts::PartsError;
-use rocking_studies::output::table::{Kind, Series, Table, Values};
+use rocking_studies::output::table::{Heading, Kind, Series, Table, Values};
 use rocking_studies::output::table_files::{TableFile, TableFiles};
 
 use crate::options::invalid;
@@ -34,7 +33,7 @@ pub fn table_files(path: PathBuf, partial: bool) -> PyResult<(Vec<FileOfTable>, 
     Ok((files.files().iter().map(file).collect(), files.are_numbered()))
 }
 
-fn files(path: &Path, partial: bool) -> Result<TableFiles, PartsError> {
+pub fn files(path: &Path, partial: bool) -> Result<TableFiles, PartsError> {
     let files = TableFiles::of(path)?;
     if !partial {
         files.check_complete(Some("partial=True"))?;
@@ -50,38 +49,37 @@ pub fn read_table<'py>(py: Python<'py>, path: PathBuf, partial: bool) -> PyResul
     columns(py, table)
 }
 
-/// Whether a fit over the named columns needs a column.
-#[pyfunction]
-pub fn is_needed(column: &str, named: Vec<String>) -> bool {
-    fragility::is_needed(column, &named.iter().map(String::as_str).collect::<Vec<_>>())
+/// The name, the unit and the values of a column from Python.
+pub type GivenColumn<'py> = (String, Option<String>, GivenValues<'py>);
+
+/// The values of a column from Python.
+#[derive(FromPyObject)]
+pub enum GivenValues<'py> {
+    /// Numbers; nan where a row has none.
+    Reals(PyReadonlyArray1<'py, f64>),
+    /// Whole numbers.
+    Integers(PyReadonlyArray1<'py, i64>),
+    /// True or false.
+    Booleans(PyReadonlyArray1<'py, bool>),
+    /// Words, and for each row the position of its word.
+    Words(Vec<String>, PyReadonlyArray1<'py, i64>),
 }
 
-/// Passes the columns that a fit needs to a function, in batches of rows.
-#[pyfunction]
-pub fn read_batches(py: Python, path: PathBuf, partial: bool, named: Vec<String>, each: &Bound<PyAny>) -> PyResult<()> {
-    let is_wanted = |column: &str| is_needed(column, named.clone());
-    let mut pass = |table: Table, _: &[String]| -> Result<(), Ended> {
-        py.check_signals()?;
-        each.call1((columns(py, table)?,))?;
-        Ok(())
+/// Returns a table with the columns from Python, which have equal lengths.
+pub fn table(columns: Vec<GivenColumn>) -> Table {
+    let series = |(name, unit, values): GivenColumn| {
+        let (kind, values) = match values {
+            GivenValues::Reals(values) => (Kind::Real, Values::Real(values.as_array().to_vec())),
+            GivenValues::Integers(values) => (Kind::Integer, Values::Integer(values.as_array().to_vec())),
+            GivenValues::Booleans(values) => (Kind::Boolean, Values::Boolean(values.as_array().to_vec())),
+            GivenValues::Words(words, positions) => {
+                let positions = positions.as_array().iter().map(|position| *position as u32).collect();
+                (Kind::Choice(words.into()), Values::Choice(positions))
+            }
+        };
+        Series { heading: Heading { name, unit, kind }, values }
     };
-    let files = files(&path, partial).map_err(invalid)?;
-    files.read_batches(&is_wanted, &mut pass).map_err(|Ended(error)| error)
-}
-
-/// The exception that ends the reading of a table.
-struct Ended(PyErr);
-
-impl From<PyErr> for Ended {
-    fn from(error: PyErr) -> Ended {
-        Ended(error)
-    }
-}
-
-impl From<PartsError> for Ended {
-    fn from(error: PartsError) -> Ended {
-        Ended(invalid(error))
-    }
+    Table::of_series(columns.into_iter().map(series).collect())
 }
 
 fn shown<'py>(py: Python<'py>, Series { heading, mut values }: Series, rows: usize) -> PyResult<Column<'py>> {

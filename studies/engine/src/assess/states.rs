@@ -2,7 +2,9 @@
 
 use crate::assess::plan::State;
 use crate::assess::results::{Counts, CurveResult, RateResult, StateResult};
-use crate::fragility::{Assessment, Case, CaseStore, Interval, Limit, Link, SweepTable, SweepTableError, Uncertainty};
+use crate::fragility::{
+    Assessment, Case, CaseStore, Collected, Interval, Limit, Link, SweepTable, SweepTableError, Uncertainty,
+};
 use crate::intensity::Measure;
 use crate::risk::{AnnualRate, FragilityCurve, HazardCurve, interval, probability_in, unknown_rates};
 use crate::statistics::range;
@@ -37,26 +39,18 @@ impl StateCurve {
         limit: Limit,
         hazard: Option<&HazardCurve>,
     ) -> Result<StateCurve, SweepTableError> {
-        let (cases, mut motions, counts) = table.cases(limit)?;
+        let mut found = Collected::new(Some(limit), None, vec![(measure.to_string(), None)]).with_completions();
+        let outcomes = found.take(table, false)?;
+        let Collected { stores, completions, motions, counts, .. } = found;
+        let cases: Vec<Case> = outcomes.iter().enumerate().filter_map(|(row, outcome)| outcome.case(row)).collect();
         let numbers = table.numbers(&measure.to_string())?;
         let range = range(cases.iter().filter_map(|case| numbers[case.row])).unwrap_or([f64::NAN; 2]);
-        let store = |cases: &[Case]| {
-            let mut store = CaseStore::default();
-            cases.iter().for_each(|case| store.push(case.row as u64, case, [numbers[case.row], Some(1.0)]));
-            store
-        };
-        let rate_of_unknown = match hazard.filter(|_| counts.exceeded_at_most > counts.exceeded) {
-            Some(hazard) => {
-                let mut curve = |unknown_exceed| -> Result<Option<FragilityCurve>, SweepTableError> {
-                    let cases = table.completed_cases(limit, unknown_exceed, &mut motions, |row| row as u64)?;
-                    let fit = store(&cases).fit(&motions, Link::Probit);
-                    Ok(fit.ok().and_then(|fit| FragilityCurve::of(&fit).ok()))
-                };
-                Some(unknown_rates(hazard, &[curve(false)?, curve(true)?]))
-            }
-            None => None,
-        };
-        let store = store(&cases);
+        let hazard_of_unknown = hazard.filter(|_| counts.exceeded_at_most > counts.exceeded);
+        let rate_of_unknown = hazard_of_unknown.zip(completions).map(|(hazard, stores)| {
+            let curve = |store: CaseStore| FragilityCurve::of(&store.fit(&motions, Link::Probit).ok()?).ok();
+            unknown_rates(hazard, &stores.map(curve))
+        });
+        let store = stores.into_iter().next().unwrap_or_default();
         let fitted = Assessment::of(store, &motions, Link::Probit, CONFIDENCE, Uncertainty::Profile);
         let assessment = fitted.map_err(|error| error.to_string()).and_then(|found| match found.fit.dispersion() {
             // No median: where the probability falls, one half of it bounds nothing.

@@ -24,14 +24,32 @@ pub struct Case {
 }
 
 /// The outcome of a row relative to a limit, known or not.
-struct RowOutcome {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RowOutcome {
     end: End,
+    is_ensemble: bool,
     /// Fraction of its known runs that exceeded the limit; `None` if none is known.
-    fraction: Option<f64>,
+    pub fraction: Option<f64>,
     /// Fraction of its runs without a verdict.
-    unknown: f64,
-    /// Peak |θ|/α, if the block rocks and stands.
-    peak: Option<f64>,
+    pub unknown: f64,
+    /// Peak |θ|/α, in space the tilt over that of the balance, if the block rocks and stands.
+    pub peak: Option<f64>,
+    /// Number of its ground motion; `None` for a row without one, which has its own.
+    pub motion: Option<usize>,
+}
+
+impl RowOutcome {
+    /// The case of a row whose outcome is known.
+    pub fn case(&self, row: usize) -> Option<Case> {
+        let RowOutcome { fraction, unknown, peak, motion, .. } = *self;
+        fraction.map(|fraction| Case { row, fraction, unknown, peak, motion })
+    }
+
+    /// The case of a row as if every run without a verdict exceeded the limit, or none.
+    pub fn completed(&self, row: usize, unknown_exceed: bool) -> Case {
+        let RowOutcome { fraction, unknown, peak, motion, .. } = *self;
+        Case { row, fraction: completed(fraction, unknown, unknown_exceed), unknown: 0.0, peak, motion }
+    }
 }
 
 /// The fraction of a row's runs that exceed a limit if all those without a verdict do, or none. `fraction` is that of the known ones.
@@ -61,6 +79,27 @@ pub struct RowCounts {
     pub undecided: usize,
     /// Rows of completed runs without the response that the limit refers to.
     pub without_response: usize,
+}
+
+impl RowCounts {
+    /// Counts rows.
+    pub fn take(&mut self, rows: &[RowOutcome]) {
+        for row in rows {
+            match (row.fraction, row.end) {
+                (Some(fraction), _) => {
+                    self.decided += 1;
+                    self.exceeded += fraction * (1.0 - row.unknown);
+                    self.partly_known += usize::from(row.unknown > 0.0);
+                }
+                (None, End::Undecided) => self.undecided += 1,
+                (None, End::Separated) => self.separated += 1,
+                (None, End::Completed) if !row.is_ensemble => self.without_response += 1,
+                (None, End::Failed | End::Completed | End::Overturned) => self.failed += 1,
+            }
+            self.exceeded_at_most += completed(row.fraction, row.unknown, true);
+        }
+        self.all += rows.len();
+    }
 }
 
 /// The ground motions of a table, or the values of another column by which its rows are clustered.
@@ -132,73 +171,26 @@ impl SweepTable {
     /// of the ensemble if the table has one, else that of the single run.
     ///
     /// # Errors
-    /// The table has no outcomes, or an unknown one, or its rows are searches for least levels.
+    /// Those of [`SweepTable::outcomes`].
     pub fn cases(&self, limit: Limit) -> Result<(Vec<Case>, Motions, RowCounts), SweepTableError> {
         let (mut motions, mut counts) = (Motions::default(), RowCounts::default());
-        let cases = self.cases_of(limit, &mut motions, &mut counts, |row| row as u64)?;
+        let outcomes = self.outcomes(limit, &mut motions, |row| row as u64)?;
+        counts.take(&outcomes);
+        let cases = outcomes.iter().enumerate().filter_map(|(row, outcome)| outcome.case(row)).collect();
         Ok((cases, motions, counts))
     }
 
-    /// [`SweepTable::cases`] of a batch of rows, which are counted. Its ground motions may have occurred before; `place` is that of a row
+    /// Returns the outcomes of all rows relative to a limit. The ground motions may have occurred in batches before; `place` is that of a row
     /// in the whole table.
     ///
     /// # Errors
-    /// Those of [`SweepTable::cases`].
-    pub fn cases_of(
+    /// The table has no outcomes, or an unknown one, or its rows are searches for least levels.
+    pub fn outcomes(
         &self,
         limit: Limit,
         motions: &mut Motions,
-        counts: &mut RowCounts,
         place: impl Fn(usize) -> u64,
-    ) -> Result<Vec<Case>, SweepTableError> {
-        let outcomes = self.outcomes(limit)?;
-        let motion_of = self.motions(motions, place)?;
-        let mut found = Vec::new();
-        for (row, (RowOutcome { end, fraction, unknown, peak }, motion)) in
-            outcomes.into_iter().zip(motion_of).enumerate()
-        {
-            match (fraction, end) {
-                (Some(fraction), _) => found.push(Case { row, fraction, unknown, peak, motion }),
-                (None, End::Undecided) => counts.undecided += 1,
-                (None, End::Separated) => counts.separated += 1,
-                (None, End::Completed) if self.column("ensemble.samples").is_err() => counts.without_response += 1,
-                (None, End::Failed | End::Completed | End::Overturned) => counts.failed += 1,
-            }
-        }
-        let exceeded = found.iter().map(|case| case.fraction * (1.0 - case.unknown)).sum::<f64>();
-        let unknown: f64 = found.iter().map(|case| case.unknown).sum();
-        counts.all += self.rows();
-        counts.decided += found.len();
-        counts.exceeded += exceeded;
-        counts.exceeded_at_most += exceeded + unknown + (self.rows() - found.len()) as f64;
-        counts.partly_known += found.iter().filter(|case| case.unknown > 0.0).count();
-        Ok(found)
-    }
-
-    /// Returns all rows as if every run without a verdict exceeded the limit, or none. Arguments are those of [`SweepTable::cases_of`].
-    ///
-    /// # Errors
-    /// Those of [`SweepTable::cases`].
-    pub fn completed_cases(
-        &self,
-        limit: Limit,
-        unknown_exceed: bool,
-        motions: &mut Motions,
-        place: impl Fn(usize) -> u64,
-    ) -> Result<Vec<Case>, SweepTableError> {
-        let motion_of = self.motions(motions, place)?;
-        let case = |(row, (RowOutcome { fraction, unknown, peak, .. }, motion))| Case {
-            row,
-            fraction: completed(fraction, unknown, unknown_exceed),
-            unknown: 0.0,
-            peak,
-            motion,
-        };
-        Ok(self.outcomes(limit)?.into_iter().zip(motion_of).enumerate().map(case).collect())
-    }
-
-    /// The outcomes of all rows.
-    fn outcomes(&self, limit: Limit) -> Result<Vec<RowOutcome>, SweepTableError> {
+    ) -> Result<Vec<RowOutcome>, SweepTableError> {
         let mut headings = self.table.columns().iter().map(|column| &column.heading);
         if let Some(heading) = headings.find(|heading| heading.name.starts_with("least.")) {
             return Err(self.refused(format!(
@@ -220,7 +212,7 @@ impl SweepTable {
         let unknown = known(&format!("ensemble.unknown({limit})"));
         let samples = known("ensemble.samples");
         let number = |column: Option<&Series>, row| column.map_or(Ok(None), |column| self.number(column, row));
-        let outcome = |(row, end): (usize, End)| {
+        let outcome = |(row, (end, motion)): (usize, (End, Option<usize>))| {
             let mut response = None;
             for column in &limited {
                 response = self.number(column, row)?.into_iter().chain(response).reduce(f64::max);
@@ -237,9 +229,9 @@ impl SweepTable {
                 Some(_) => of_samples.map_or(0.0, |(unknown, samples)| unknown / samples),
                 None => 1.0,
             };
-            Ok(RowOutcome { end, fraction, unknown, peak })
+            Ok(RowOutcome { end, is_ensemble, fraction, unknown, peak, motion })
         };
-        ends.into_iter().enumerate().map(outcome).collect()
+        ends.into_iter().zip(self.motions(motions, place)?).enumerate().map(outcome).collect()
     }
 
     /// The number of each row's ground motion.
@@ -338,10 +330,9 @@ mod tests {
         let cases: Vec<_> = cases.iter().map(|case| (case.row, case.fraction)).collect();
         assert_eq!((cases, counts.without_response, counts.failed), (vec![(0, 0.0), (2, 1.0), (3, 1.0)], 1, 1));
         assert_eq!((counts.exceeded, counts.exceeded_at_most), (2.0, 4.0));
+        let outcomes = table(text).outcomes(Limit::Slip(0.1), &mut Motions::default(), |row| row as u64).unwrap();
         let completed = |unknown_exceed: bool| {
-            let found = table(text)
-                .completed_cases(Limit::Slip(0.1), unknown_exceed, &mut Motions::default(), |row| row as u64);
-            found.unwrap().iter().map(|case| case.fraction).collect::<Vec<_>>()
+            outcomes.iter().map(|outcome| outcome.completed(0, unknown_exceed).fraction).collect::<Vec<_>>()
         };
         assert_eq!(completed(false), [0.0, 0.0, 1.0, 1.0, 0.0]);
         assert_eq!(completed(true), [0.0, 1.0, 1.0, 1.0, 1.0]);

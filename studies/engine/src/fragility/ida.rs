@@ -255,7 +255,7 @@ fn is_same(one: f64, other: f64) -> bool {
 
 /// Whether a column describes the block or the ground motion of a row, rather than the strength of the motion or the response. `im` is the
 /// measure of the levels. Columns of unknown names describe, such as the keys of folders.
-pub fn describes_curve(column: &str, im: &str) -> bool {
+fn describes_curve(column: &str, im: &str) -> bool {
     /// The number of a row, the motion of its record, factors on it, and results.
     const OTHERS: [&str; 12] = [
         "row",
@@ -294,7 +294,7 @@ pub fn describes_curve(column: &str, im: &str) -> bool {
 ///
 /// # Errors
 /// No column describes the rows.
-pub fn curve_names(described: &[(String, Vec<String>)], rows: usize) -> Result<Vec<String>, Mismatch> {
+fn curve_names(described: &[(String, Vec<String>)], rows: usize) -> Result<Vec<String>, Mismatch> {
     let Some(first) = described.first() else {
         return Err(Mismatch::new("no column that names the ground motion", "a column such as record"));
     };

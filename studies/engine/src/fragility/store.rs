@@ -1,6 +1,6 @@
 //! Cases in batches → a list of rows, or sorted rows if they are many.
 
-use crate::fragility::cases::{Case, Motions, RowCounts};
+use crate::fragility::cases::{Case, Motions, RowCounts, RowOutcome};
 use crate::fragility::data::Data;
 use crate::fragility::likelihood::Link;
 use crate::fragility::many::{ManyRows, ManyRowsBuilder};
@@ -147,12 +147,12 @@ impl Collected {
         self
     }
 
-    /// Takes a batch of rows. `is_part` says that the rows of the whole table are in the order of their column `row`, otherwise in that of
-    /// the batches.
+    /// Takes a batch of rows, and returns their outcomes. `is_part` says that the rows of the whole table are in the order of their column
+    /// `row`, otherwise in that of the batches.
     ///
     /// # Errors
-    /// Those of [`SweepTable::cases`], and a column that is missing or has no numbers.
-    pub fn take(&mut self, batch: &SweepTable, is_part: bool) -> Result<(), SweepTableError> {
+    /// Those of [`SweepTable::outcomes`], and a column that is missing or has no numbers.
+    pub fn take(&mut self, batch: &SweepTable, is_part: bool) -> Result<Vec<RowOutcome>, SweepTableError> {
         let limit = batch.limit_of(self.limit.unwrap_or_else(|| batch.usual_limit()));
         self.limit = Some(limit);
         let before = self.counts.all as u64;
@@ -161,21 +161,22 @@ impl Collected {
             Some(numbers) => numbers[row].unwrap_or_default() as u64,
             None => before + row as u64,
         };
-        let cases = batch.cases_of(limit, &mut self.motions, &mut self.counts, place)?;
+        let outcomes = batch.outcomes(limit, &mut self.motions, place)?;
+        self.counts.take(&outcomes);
         for (store, (first, second)) in self.stores.iter_mut().zip(&self.columns) {
             let first = batch.numbers(first)?;
             let second = second.as_ref().map(|name| batch.numbers(name)).transpose()?;
-            for case in &cases {
+            for case in outcomes.iter().enumerate().filter_map(|(row, outcome)| outcome.case(row)) {
                 let second = second.as_ref().map_or(Some(1.0), |numbers| numbers[case.row]);
-                store.push(place(case.row), case, [first[case.row], second]);
+                store.push(place(case.row), &case, [first[case.row], second]);
             }
         }
         for (store, unknown_exceed) in self.completions.iter_mut().flatten().zip([false, true]) {
             let measures = batch.numbers(&self.columns[0].0)?;
-            for case in batch.completed_cases(limit, unknown_exceed, &mut self.motions, place)? {
-                store.push(place(case.row), &case, [measures[case.row], Some(1.0)]);
+            for (row, outcome) in outcomes.iter().enumerate() {
+                store.push(place(row), &outcome.completed(row, unknown_exceed), [measures[row], Some(1.0)]);
             }
         }
-        Ok(())
+        Ok(outcomes)
     }
 }

@@ -5,6 +5,7 @@ use std::io::Read;
 use crate::input::motion::MOTION;
 use crate::input::parameters::is_same_word;
 use crate::intensity::Measure;
+use crate::mismatch::Mismatch;
 use crate::output::reading::{TableReadError, TableReader};
 use crate::output::table::{Kind, Series, Table, Values, split_heading};
 use crate::run::fatigue;
@@ -27,19 +28,52 @@ pub enum SweepTableError {
     },
 }
 
-impl SweepTableError {
-    /// No row of a file has this value in a column.
-    pub fn no_row(file: &str, column: &str, value: &str) -> SweepTableError {
-        let message = format!("found no row with {column} = {value}; expected a value of that column");
-        SweepTableError::Content { file: file.into(), message }
-    }
-}
-
 /// Column of blocks with ties: the peak rotation over the balance angle of its side.
 const OVER_BALANCE: &str = "peak.theta/balance";
 
 /// Column of blocks in space: the peak tilt over that of the balance over the nearest edge.
 const TILT: &str = "peak.tilt/alpha_edge";
+
+/// The rows that a fit uses: those with a value in each of some columns.
+#[derive(Clone, Debug, Default)]
+pub struct ChosenRows {
+    /// Columns and their values, with the number of rows that met each condition and those before it.
+    conditions: Vec<(String, String, usize)>,
+}
+
+impl ChosenRows {
+    /// Begins with columns and their values.
+    pub fn new(conditions: impl IntoIterator<Item = (String, String)>) -> ChosenRows {
+        ChosenRows { conditions: conditions.into_iter().map(|(column, value)| (column, value, 0)).collect() }
+    }
+
+    /// The columns of the conditions.
+    pub fn columns(&self) -> impl Iterator<Item = &str> {
+        self.conditions.iter().map(|(column, ..)| column.as_str())
+    }
+
+    /// Keeps only these rows of a batch, which may have none.
+    ///
+    /// # Errors
+    /// There is no such column.
+    pub fn keep(&mut self, batch: &mut SweepTable) -> Result<(), SweepTableError> {
+        for (column, value, met) in &mut self.conditions {
+            batch.keep(column, value)?;
+            *met += batch.rows();
+        }
+        Ok(())
+    }
+
+    /// Refuses a table none of whose rows met a condition.
+    ///
+    /// # Errors
+    /// Names the condition.
+    pub fn check(&self, file: &str) -> Result<(), SweepTableError> {
+        let Some((column, value, _)) = self.conditions.iter().find(|(.., met)| *met == 0) else { return Ok(()) };
+        let message = format!("found no row with {column} = {value}; expected a value of that column");
+        Err(SweepTableError::Content { file: file.into(), message })
+    }
+}
 
 /// The table of a sweep.
 #[derive(Clone, Debug)]
@@ -50,6 +84,10 @@ pub struct SweepTable {
     pub table: Table,
     /// Headings of all columns of the file, including those left out of the table.
     headings: Vec<String>,
+    /// Position of the first row in the file.
+    first: usize,
+    /// Positions of the rows among all from the first one, if some were left out.
+    kept: Option<Vec<usize>>,
 }
 
 /// Parameters whose ranges describe the blocks of a table. Their columns may have the prefix `dimensionless.`.
@@ -77,9 +115,9 @@ const OF_FITS: [&str; 17] = [
 ];
 
 /// Whether a fit over the named columns needs a column.
-pub fn is_needed(column: &str, named: &[&str]) -> bool {
-    let is_named = |named: &&str| {
-        let name = split_heading(named).0;
+pub fn is_needed(column: &str, named: &[impl AsRef<str>]) -> bool {
+    let is_named = |named: &dyn AsRef<str>| {
+        let name = split_heading(named.as_ref()).0;
         column.eq_ignore_ascii_case(name) || name.parse::<Measure>().is_ok_and(|measure| measure.to_string() == column)
     };
     DESCRIBED.contains(&column.strip_prefix("dimensionless.").unwrap_or(column))
@@ -87,7 +125,7 @@ pub fn is_needed(column: &str, named: &[&str]) -> bool {
         || is_plastic(column)
         || column.starts_with(fatigue::COLUMN)
         || ["P(", "ensemble.", "least."].iter().any(|prefix| column.starts_with(prefix))
-        || named.iter().any(is_named)
+        || named.iter().any(|named| is_named(named))
 }
 
 /// Whether a column has the plastic elongations of a tie or damper.
@@ -99,12 +137,12 @@ impl SweepTable {
     /// Evaluates the rows of a study; `file` is the name of the table in errors.
     pub fn new(file: &str, table: Table) -> SweepTable {
         let headings = table.columns().iter().map(|column| column.heading.to_string()).collect();
-        SweepTable { file: file.into(), table, headings }
+        SweepTable::batch(file, table, headings, 0)
     }
 
-    /// Evaluates some columns of a file with these headings.
-    pub fn of_columns(file: &str, table: Table, headings: Vec<String>) -> SweepTable {
-        SweepTable { file: file.into(), table, headings }
+    /// Evaluates some columns of rows of a file with these headings, from the row at the position `first`.
+    pub fn batch(file: &str, table: Table, headings: Vec<String>, first: usize) -> SweepTable {
+        SweepTable { file: file.into(), table, headings, first, kept: None }
     }
 
     /// Reads a table; `file` is its name in errors.
@@ -134,23 +172,11 @@ impl SweepTable {
         self.table.rows()
     }
 
-    /// Keeps only the rows with this value in a column.
-    ///
-    /// # Errors
-    /// There is no such column, or no such row.
-    pub fn keep(&mut self, column: &str, value: &str) -> Result<(), SweepTableError> {
-        self.keep_rows(column, value)?;
-        match self.rows() {
-            0 => Err(SweepTableError::no_row(&self.file, column, value)),
-            _ => Ok(()),
-        }
-    }
-
-    /// [`SweepTable::keep`] of a batch, which may have no such row.
+    /// Keeps only the rows with this value in a column; there may be none.
     ///
     /// # Errors
     /// There is no such column.
-    pub fn keep_rows(&mut self, column: &str, value: &str) -> Result<(), SweepTableError> {
+    fn keep(&mut self, column: &str, value: &str) -> Result<(), SweepTableError> {
         let series = self.column(column)?;
         let number: Option<f64> = value.parse().ok();
         let is = |row: usize| {
@@ -158,7 +184,9 @@ impl SweepTable {
             is_same_word(&found, value) || number.is_some() && found.parse().ok() == number
         };
         let is_kept: Vec<bool> = (0..self.rows()).map(is).collect();
+        let kept = (0..self.rows()).filter(|row| is_kept[*row]).map(|row| self.position(row)).collect();
         self.table.retain(&is_kept);
+        self.kept = Some(kept);
         Ok(())
     }
 
@@ -236,12 +264,13 @@ impl SweepTable {
         if self.column(OVER_BALANCE).is_ok() { Limit::Balance } else { Limit::Overturned }
     }
 
-    /// The end of each row's run.
+    /// The end of each row's run. A table of others may say 1 or true for overturned, and 0 or false for completed.
     pub(super) fn ends(&self) -> Result<Vec<End>, SweepTableError> {
         let column = self.column("outcome")?;
-        let end = |row: usize| {
-            let word = column.word(row).unwrap_or_default();
-            word.parse().map_err(|error: String| self.wrong(row, column, &error))
+        let end = |row: usize| match column.text(row).to_ascii_lowercase().as_str() {
+            "0" | "false" => Ok(End::Completed),
+            "1" | "true" => Ok(End::Overturned),
+            word => word.parse().map_err(|error: Mismatch| self.wrong(row, column, &error.expected)),
         };
         // Parses each distinct word once; words that no row uses may be invalid.
         let known: Vec<Option<End>> = match &column.heading.kind {
@@ -260,7 +289,11 @@ impl SweepTable {
         self.column(im).map_or_else(|error| error, |column| self.wrong(row, column, "a level"))
     }
 
-    pub(super) fn column(&self, name: &str) -> Result<&Series, SweepTableError> {
+    /// The column with this name, with or without the unit.
+    ///
+    /// # Errors
+    /// There is no such column.
+    pub fn column(&self, name: &str) -> Result<&Series, SweepTableError> {
         let find = |name: &str, same: fn(&str, &str) -> bool| {
             let is = |series: &&Series| same(&series.heading.name, name) || same(&series.heading.to_string(), name);
             self.table.columns().iter().find(is)
@@ -274,8 +307,14 @@ impl SweepTable {
             .ok_or_else(|| self.refused(format!("has no column {name}; expected one of {}", self.headings.join(", "))))
     }
 
+    /// The position of a row among all from the first one.
+    fn position(&self, row: usize) -> usize {
+        self.kept.as_ref().map_or(row, |kept| kept[row])
+    }
+
     fn wrong(&self, row: usize, column: &Series, expected: &str) -> SweepTableError {
-        let number = self.table.column("row").and_then(|numbers| numbers.text(row).parse().ok()).unwrap_or(row);
+        let number = self.table.column("row").and_then(|numbers| numbers.text(row).parse().ok());
+        let number = number.unwrap_or(self.first + self.position(row));
         self.refused(format!("row {number} has {} = {}; expected {expected}", column.heading, column.text(row)))
     }
 
@@ -301,12 +340,20 @@ pub(super) mod tests {
         let mut kept = table(TABLE);
         assert_eq!(kept.numbers("PGV").unwrap(), kept.numbers("PGV [m/s]").unwrap());
         assert_eq!(kept.numbers("PGV").unwrap()[..3], [Some(0.5), Some(0.7), None]);
-        kept.keep("p", "1.0").unwrap();
-        assert_eq!(kept.rows(), 2);
-        assert_eq!(
-            kept.keep("record", "c").unwrap_err().to_string(),
-            "t.csv: found no row with record = c; expected a value of that column"
-        );
+        let mut chosen = |column: &str, value: &str| {
+            let mut rows = ChosenRows::new([(column.into(), value.into())]);
+            rows.keep(&mut kept).unwrap();
+            (kept.rows(), rows.check("t.csv").map_err(|error| error.to_string()))
+        };
+        assert_eq!(chosen("p", "1.0"), (2, Ok(())));
+        let refused = "t.csv: found no row with record = c; expected a value of that column";
+        assert_eq!(chosen("record", "c"), (0, Err(refused.into())));
+        // Without numbers, rows have those of their positions in the file.
+        let read = table("p,outcome\n1,completed\n2,overturned\n2,fallen\n");
+        let mut batch = SweepTable::batch("t.csv", read.table, Vec::new(), 1000);
+        ChosenRows::new([("p".into(), "2".into())]).keep(&mut batch).unwrap();
+        let message = batch.ends().unwrap_err().to_string();
+        assert!(message.starts_with("t.csv: row 1002 has outcome = fallen; expected"), "{message}");
         let message = table(TABLE).numbers("outcome").unwrap_err().to_string();
         assert_eq!(message, "t.csv: row 0 has outcome = completed; expected a number");
         let message = table(TABLE).numbers("PGA").unwrap_err().to_string();

@@ -290,7 +290,7 @@ impl Table {
     }
 
     /// A table of columns of equal length.
-    pub(super) fn of_series(columns: Vec<Series>) -> Table {
+    pub fn of_series(columns: Vec<Series>) -> Table {
         let rows = columns.first().map_or(0, |column| column.values.len());
         Table { columns, rows }
     }

@@ -1,5 +1,6 @@
 //! A run → its end, its peaks and its counts.
 
+use crate::mismatch::Mismatch;
 use crate::output::table::TableColumn;
 use rocking_block::block::restraints::{self, LinkKind, MAX, Tie, tie};
 use rocking_block::block::{Block, Corner, Regime};
@@ -72,14 +73,13 @@ impl End {
 }
 
 impl std::str::FromStr for End {
-    type Err = String;
+    type Err = Mismatch;
 
     /// Reads a word of a table.
-    fn from_str(word: &str) -> Result<End, String> {
-        End::ALL.into_iter().find(|end| end.word() == word).ok_or_else(|| {
-            let known = End::ALL.map(End::word).join(", ");
-            format!("found outcome `{word}`; expected one of {known}")
-        })
+    fn from_str(word: &str) -> Result<End, Mismatch> {
+        let known = || format!("one of {}", End::ALL.map(End::word).join(", "));
+        let found = End::ALL.into_iter().find(|end| end.word() == word);
+        found.ok_or_else(|| Mismatch::new(format!("outcome `{word}`"), known()))
     }
 }
 

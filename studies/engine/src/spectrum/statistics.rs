@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
+use crate::mismatch::Mismatch;
 use crate::output::table::{Series, Table, TableColumn};
 use crate::run::outcome::{End, rocks};
 use crate::spectrum::{Spectrum, SpectrumInputs};
@@ -174,7 +175,7 @@ impl BlockOutcome {
                     format!("row {row} has {heading} = {found}; expected a number of at least 0")
                 })
             };
-            let end = end.word(row).unwrap_or_default().parse()?;
+            let end = end.word(row).unwrap_or_default().parse().map_err(|error: Mismatch| error.to_string())?;
             let (peak, flights, liftoffs) = (number(peak)?, number(flights)? as u64, number(liftoffs)? as u64);
             Ok(BlockOutcome { row: numbers.number(row).unwrap_or_default() as u64, end, peak, flights, liftoffs })
         };

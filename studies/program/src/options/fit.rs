@@ -9,7 +9,7 @@ use crate::options::checks::check;
 use crate::options::choices;
 use crate::options::explicit::ExplicitOptions;
 use crate::options::input;
-use rocking_studies::fragility::{Limit, Link, SweepTable, SweepTableError, Uncertainty, is_needed};
+use rocking_studies::fragility::{ChosenRows, Limit, Link, SweepTable, Uncertainty, is_needed};
 use rocking_studies::output::output_target::STANDARD;
 use rocking_studies::output::table::Table;
 use rocking_studies::output::table_files::TableFiles;
@@ -70,23 +70,22 @@ impl FitOptions {
         named: &[&str],
         each: &mut dyn FnMut(&SweepTable, bool) -> anyhow::Result<()>,
     ) -> anyhow::Result<String> {
-        let conditions = self.conditions()?;
-        let more = conditions.iter().map(|(column, _)| *column).chain(self.cluster.as_deref());
-        let named: Vec<&str> = named.iter().copied().chain(more).collect();
+        let mut rows = self.rows()?;
+        let more: Vec<String> = rows.columns().chain(self.cluster.as_deref()).map(String::from).collect();
+        let named: Vec<&str> = named.iter().copied().chain(more.iter().map(String::as_str)).collect();
         let is_wanted = |column: &str| is_needed(column, &named);
-        let mut kept = vec![0; conditions.len()];
         let mut take = |mut batch: SweepTable, is_part| -> anyhow::Result<()> {
-            for ((column, value), kept) in conditions.iter().zip(&mut kept) {
-                batch.keep_rows(column, value)?;
-                *kept += batch.rows();
-            }
+            rows.keep(&mut batch)?;
             each(&batch, is_part)
         };
         let name = match self.files(path)? {
             Some(files) => {
                 let (name, is_part) = (path.display().to_string(), files.are_numbered());
+                let mut before = 0;
                 files.read_batches(&is_wanted, &mut |table: Table, headings| {
-                    take(SweepTable::of_columns(&name, table, headings.to_vec()), is_part)
+                    let first = before;
+                    before += table.rows();
+                    take(SweepTable::batch(&name, table, headings.to_vec(), first), is_part)
                 })?;
                 name
             }
@@ -96,10 +95,8 @@ impl FitOptions {
                 name
             }
         };
-        match conditions.iter().zip(kept).find(|(_, kept)| *kept == 0) {
-            Some(((column, value), _)) => Err(SweepTableError::no_row(&name, column, value).into()),
-            None => Ok(name),
-        }
+        rows.check(&name)?;
+        Ok(name)
     }
 
     /// Reads all columns of the rows that meet the conditions.
@@ -107,23 +104,26 @@ impl FitOptions {
         let mut table = match self.files(path)? {
             Some(files) => {
                 let (table, headings) = files.read(&|_| true)?;
-                SweepTable::of_columns(&path.display().to_string(), table, headings)
+                SweepTable::batch(&path.display().to_string(), table, headings, 0)
             }
             None => {
                 let (name, text) = input::text(path)?;
                 SweepTable::read(&name, text.as_bytes())?
             }
         };
-        self.conditions()?.into_iter().try_for_each(|(column, value)| table.keep(column, value))?;
+        let mut rows = self.rows()?;
+        rows.keep(&mut table)?;
+        rows.check(&table.file)?;
         Ok(table)
     }
 
-    fn conditions(&self) -> anyhow::Result<Vec<(&str, &str)>> {
+    /// Returns the conditions on rows.
+    fn rows(&self) -> anyhow::Result<ChosenRows> {
         let split = self.conditions.iter().map(|condition| {
-            let split = condition.split_once('=');
+            let split = condition.split_once('=').map(|(column, value)| (column.into(), value.into()));
             split.with_context(|| format!("--where {condition}; expected COLUMN=VALUE, as in foundation=rigid"))
         });
-        split.collect()
+        Ok(ChosenRows::new(split.collect::<anyhow::Result<Vec<_>>>()?))
     }
 
     /// Lists the files of a table; `None` for standard input.

@@ -190,8 +190,9 @@ impl FragilityCommand {
             if headings.is_none() {
                 headings = Some(named.iter().map(|name| batch.heading(name)).collect::<Result<Vec<_>, _>>()?);
             }
-            further.iter_mut().try_for_each(|(_, found)| found.take(batch, is_part))?;
-            Ok(found.take(batch, is_part)?)
+            further.iter_mut().try_for_each(|(_, found)| found.take(batch, is_part).map(drop))?;
+            found.take(batch, is_part)?;
+            Ok(())
         })?;
         Ok(TableCases {
             name,

@@ -219,7 +219,8 @@ impl FragilityOptions {
             if heading.is_none() {
                 heading = Some(batch.heading(im)?);
             }
-            Ok(found.take(batch, is_part)?)
+            found.take(batch, is_part)?;
+            Ok(())
         })?;
         let over = MeasureColumn::of_heading(heading.as_deref().unwrap_or(im));
         let limit = found.limit.unwrap_or(Limit::Overturned);
