@@ -120,9 +120,11 @@ fn derivatives<'py>(py: Python<'py>, block: &engine::Block, gradients: &Gradient
     let all = PyDict::new(py);
     for Derivatives { name, rows, events, peaks } in &gradients.parameters {
         let columns = PyDict::new(py);
-        for column in table::columns(block).iter().filter(|column| column.has_derivative()) {
-            let values = rows.iter().map(|row| column.value(row));
-            columns.set_item(&column.name, PyArray1::from_iter(py, values))?;
+        for column in table::columns(block) {
+            let name = &column.heading().name;
+            if table::has_derivative(name) {
+                columns.set_item(name, PyArray1::from_iter(py, rows.iter().map(|row| column.number(row))))?;
+            }
         }
         let events = PyArray1::from_iter(py, events.iter().copied());
         all.set_item(name, (columns, events, peak(py, block, peaks)?))?;
@@ -146,8 +148,8 @@ fn shown<'py>(py: Python<'py>, block: &engine::Block, history: &History) -> PyRe
     let History { rows, events, peaks, counts, ending, end, ties, yield_works, .. } = history;
     let columns = PyDict::new(py);
     for column in table::columns(block) {
-        let values = rows.iter().map(|row| column.value(row));
-        columns.set_item(&column.name, PyArray1::from_iter(py, values))?;
+        let values = rows.iter().map(|row| column.number(row));
+        columns.set_item(&column.heading().name, PyArray1::from_iter(py, values))?;
     }
     let events = events.iter().map(|event| {
         let (name, corner) = (event.kind.word(), event.kind.location());

@@ -15,6 +15,7 @@ use rocking_charts::sketch::SketchInSpace;
 use rocking_studies::doubts;
 use rocking_studies::intensity::{BlockScales, Measure};
 use rocking_studies::output::runner::StudyRows;
+use rocking_studies::output::table::Heading;
 use rocking_studies::output::table::TableColumn;
 use rocking_studies::run::MemoryError;
 use rocking_studies::run::rows::RunRow;
@@ -311,8 +312,9 @@ fn shown<'py>(py: Python<'py>, block: &BlockInSpace, history: &HistoryInSpace) -
     let HistoryInSpace { rows, events, peaks, counts, ending, end, .. } = history;
     let (columns, units) = (PyDict::new(py), PyDict::new(py));
     for column in table::columns(&block.parameters) {
-        columns.set_item(&column.name, PyArray1::from_iter(py, rows.iter().map(|row| column.value(row))))?;
-        units.set_item(&column.name, column.unit)?;
+        let Heading { name, unit, .. } = column.heading();
+        columns.set_item(name, PyArray1::from_iter(py, rows.iter().map(|row| column.number(row))))?;
+        units.set_item(name, unit)?;
     }
     let names = foot_names(&block.parameters);
     let events = events.iter().map(|event| {

@@ -18,6 +18,7 @@ use rocking_block::unit::variables::Variable;
 use rocking_studies::doubts;
 use rocking_studies::input::study_file::StudyFileError;
 use rocking_studies::intensity::Measure;
+use rocking_studies::output::format::TableFormat;
 use rocking_studies::output::parts::{self, Part, PartNumber, PartState};
 use rocking_studies::output::resumable::{TableHeader, TableOptions, TableWriteError};
 use rocking_studies::output::runner::{self, Study as _, StudyRows};
@@ -27,6 +28,7 @@ use rocking_studies::run::outcome::{self, Holds};
 use rocking_studies::run::rows::RunRow;
 use rocking_studies::run::sliding;
 use rocking_studies::spec::RunSpec;
+use rocking_studies::spec::words::Words;
 use rocking_studies::sweep::Sweep;
 use rocking_studies::sweep::amplified::GreatestScales;
 use rocking_studies::sweep::file::{self, Checks};
@@ -316,7 +318,7 @@ impl Study {
         let (pool, study) = (pool(threads)?, Arc::clone(&self.study));
         let (content, made) = wait(py, tick, move |progress| {
             let made = made(&*study, &pool, progress);
-            (parts::file(&study.header(), made.table.clone(), "parquet"), made)
+            (parts::file(&study.header(), made.table.clone(), TableFormat::Parquet), made)
         })?;
         Ok((PyBytes::new(py, &content?), self.for_python(py, made)?))
     }
@@ -346,11 +348,12 @@ impl Study {
         tick: &Bound<'py, PyAny>,
     ) -> PyResult<(Bound<'py, PyBytes>, u64, Option<String>, Scales)> {
         let (number, pool, study) = (part_of(number, count)?, pool(threads)?, Arc::clone(&self.study));
+        let format = table_format(&format)?;
         let (content, rows, failure, scales) = wait(py, tick, move |progress| {
             let part = Part::new(&*study, number);
             let made = made(&part, &pool, progress);
             let scales = hunted_scales(&study, &made.table);
-            let content = parts::file(&part.header(), made.table, &format);
+            let content = parts::file(&part.header(), made.table, format);
             (content, part.rows(), made.failure.map(|failure| failure.to_string()), scales)
         })?;
         Ok((PyBytes::new(py, &content?), rows, failure, scales))
@@ -381,12 +384,16 @@ pub fn strong_scales(scales: Scales) -> Vec<String> {
 /// Returns the name of a part's file.
 #[pyfunction]
 pub fn part_file_name(number: u64, count: u64, format: &str) -> PyResult<String> {
-    Ok(part_of(number, count)?.file_name(format))
+    Ok(part_of(number, count)?.file_name(table_format(format)?))
 }
 
 /// Returns the format of parts in a folder with files of these names; refuses those of another set.
 #[pyfunction]
 pub fn part_format(names: Vec<String>, count: u64, wanted: Option<&str>) -> PyResult<String> {
-    let found = parts::format_in(names, count, wanted).map_err(PyValueError::new_err)?;
-    Ok(found.unwrap_or(parts::FORMATS[0].into()))
+    let wanted = wanted.map(table_format).transpose()?;
+    Ok(parts::format_in(names, count, wanted).map_err(PyValueError::new_err)?.word().into())
+}
+
+fn table_format(word: &str) -> PyResult<TableFormat> {
+    choice("format", word, &TableFormat::WORDS.iter().map(|(_, format)| *format).collect::<Vec<_>>())
 }

@@ -121,7 +121,7 @@ fn test(
         return Err(file.wrong(&format!("{path}factor"), "a number other than 0"));
     }
     let name = &table.data;
-    let read = read_table(&folder.join(name), [&time, &column], unit(&block, output), table.factor);
+    let read = read_table(&folder.join(name), [&time, &column], &unit(&block, output), table.factor);
     let (times, values_over_time) = read.map_err(|message| refused("data", format!("{name}: {message}")))?;
     files.push(name.into());
     let mut ground = Ground::default();

@@ -288,7 +288,7 @@ fn test_fit(evaluator: &Evaluator, number: usize, values: &[f64], best: &Minimum
     let over = |of: fn(f64, f64) -> f64| residuals.windows(2).map(|pair| of(pair[0], pair[1])).sum::<f64>() / squares;
     Ok(TestFit {
         output: test.output.clone(),
-        unit: evaluator.problem.unit(test)?.into(),
+        unit: evaluator.problem.unit(test)?,
         times: test.times.clone(),
         measured: test.values.clone(),
         fitted: test.values.iter().zip(&residuals).map(|(measured, residual)| measured - residual).collect(),

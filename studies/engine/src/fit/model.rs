@@ -6,8 +6,9 @@ use rocking_block::simulation::outputs::Observation;
 use rocking_block::simulation::{Simulation, SimulationError};
 use rocking_gradients::{Follower, Number, Parameters, Sample, Varied, advance_with_samples};
 
+use crate::output::table::TableColumn;
 use crate::run::gradients::{add_rows, with_respect_to};
-use crate::run::table::{HistoryColumn, columns};
+use crate::run::table::columns;
 use crate::run::{Row, Run};
 
 /// A quantity of a run at one time.
@@ -66,8 +67,8 @@ pub fn time_series(
     let at_stop = |simulation: &Simulation, followers: &[Follower], inputs: &Inputs, is_held: bool| {
         let row = run.row(simulation, inputs);
         let column = |row: &Row| match is_held {
-            true => quantity.column.value(&Row { observation: row.observation.without_motion(), ..*row }),
-            false => quantity.column.value(row),
+            true => quantity.column.number(&Row { observation: row.observation.without_motion(), ..*row }),
+            false => quantity.column.number(row),
         };
         let (mut derivatives, mut rate) = (vec![0.0; count], 0.0);
         if simulation.ending().is_none() {
@@ -116,7 +117,7 @@ pub fn time_series(
 
 /// The measured quantity.
 struct Quantity {
-    column: HistoryColumn,
+    column: TableColumn<'static, Row>,
     /// Its index among the states, if it is one, which needs no equations of motion.
     state: Option<usize>,
     /// A row as argument of the column.
@@ -125,7 +126,7 @@ struct Quantity {
 
 impl Quantity {
     fn named(output: &str, run: &Run) -> Option<Quantity> {
-        let column = columns(&run.block).into_iter().find(|column| column.name == output)?;
+        let column = columns(&run.block).into_iter().find(|column| column.heading().name == output)?;
         let state = ["theta", "theta_dot"].iter().position(|name| *name == output);
         let simulation = run.begin();
         let row = run.row(&simulation, &run.ground.piece_from(simulation.time()).inputs);
@@ -134,7 +135,7 @@ impl Quantity {
 
     /// Returns the column of an observation with this slip.
     fn value(&self, observation: Observation<f64>, slip: f64) -> f64 {
-        self.column.value(&Row { observation, slip, ..self.row })
+        self.column.number(&Row { observation, slip, ..self.row })
     }
 
     /// Records a follower's sample in a point.

@@ -78,8 +78,11 @@ impl Test {
     /// Refuses a test that is not valid for this block.
     fn check(&self, block: &Block) -> Result<(), String> {
         let Test { output, times, values, noise, initial, pulse, ground, scale, zero, delay, .. } = self;
-        let known: Vec<String> =
-            columns(block).into_iter().map(|column| column.name).filter(|name| is_measured(name)).collect();
+        let known: Vec<String> = columns(block)
+            .iter()
+            .map(|column| column.heading().name.clone())
+            .filter(|name| is_measured(name))
+            .collect();
         let finite = |numbers: &[f64]| numbers.iter().position(|number| !number.is_finite());
         let moves = is_moved(ground, pulse, initial);
         let fault = if !known.contains(output) {
@@ -194,7 +197,7 @@ impl Problem {
     ///
     /// # Errors
     /// An invalid block, or a column that its runs lack.
-    pub fn unit(&self, test: &Test) -> Result<&'static str, FitError> {
+    pub fn unit(&self, test: &Test) -> Result<String, FitError> {
         let block = self.parameters(test).checked_block().map_err(FitError::Block)?;
         Ok(unit(&block, &test.output))
     }
@@ -245,8 +248,10 @@ impl Problem {
 }
 
 /// Returns the unit of a column of a run of this block.
-pub(super) fn unit(block: &Block, output: &str) -> &'static str {
-    columns(block).into_iter().find(|column| column.name == output).map_or("1", |column| column.unit)
+pub(super) fn unit(block: &Block, output: &str) -> String {
+    let columns = columns(block);
+    let column = columns.iter().find(|column| column.heading().name == output);
+    column.and_then(|column| column.heading().unit.clone()).unwrap_or_else(|| "1".into())
 }
 
 /// Whether a test may measure a column. It may measure a motion, a reaction, or a height.

@@ -170,8 +170,8 @@ fn unknown(problem: &Problem, free: &Free, number: Option<usize>) -> Result<Unkn
     }
     let unit = match name.as_str() {
         "zero" => problem.unit(test)?,
-        "delay" => "s",
-        _ => unit(name),
+        "delay" => "s".into(),
+        _ => unit(name).into(),
     };
     Ok(Unknown {
         name: name.clone(),

@@ -30,6 +30,11 @@ pub(super) fn lines_of(table: &Table, rows: Range<usize>) -> io::Result<String> 
     text(writer)
 }
 
+/// Returns lines on a table as comments above its headings.
+pub(super) fn comments(lines: &[String]) -> String {
+    lines.iter().map(|line| format!("# {}\n", line.replace(['\n', '\r'], " "))).collect()
+}
+
 /// Returns the names of columns, with their units, as a line of CSV.
 pub(super) fn heading_line(headings: &[Heading]) -> io::Result<String> {
     record_line(&headings.iter().map(Heading::to_string).collect::<Vec<_>>())

@@ -6,19 +6,12 @@
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 
-#[cfg(feature = "parquet")]
-use crate::output::csv::read_batches;
-use crate::output::csv::{lines_of, record_line};
-#[cfg(feature = "parquet")]
+use crate::output::csv::{comments, lines_of, read_batches, record_line};
+use crate::output::format::TableFormat;
 use crate::output::parquet::{Groups, ParquetWriter};
 use crate::output::parts::PartsError;
 use crate::output::reading::ROW;
-#[cfg(feature = "parquet")]
-use crate::output::reading::is_parquet;
-use crate::output::resumable::TableHeader;
-#[cfg(feature = "parquet")]
-use crate::output::table::Heading;
-use crate::output::table::{Table, Values};
+use crate::output::table::{Heading, Table, Values};
 use crate::output::table_files::TableFiles;
 
 /// The reason why parts cannot be merged.
@@ -106,7 +99,7 @@ impl MergedParts {
     /// # Errors
     /// `out` takes no bytes, or the temporary file cannot be read.
     pub fn write_csv<W: Write>(&mut self, mut out: W) -> Result<W, MergeError> {
-        let head = TableHeader { study: std::mem::take(&mut self.study), columns: Vec::new() }.study_text();
+        let head = comments(&self.study);
         let head = head + &record_line(&self.headings).map_err(MergeError::Output)?;
         out.write_all(head.as_bytes()).map_err(MergeError::Output)?;
         self.each_chunk(|text| out.write_all(text).map_err(MergeError::Output))?;
@@ -118,10 +111,8 @@ impl MergedParts {
     ///
     /// # Errors
     /// Those of [`MergedParts::write_csv`].
-    #[cfg(feature = "parquet")]
     pub fn write_parquet<W: Write + Send>(&mut self, columns: &[Heading], out: W) -> Result<W, MergeError> {
-        let refused = |error: parquet::errors::ParquetError| MergeError::Output(io::Error::other(error));
-        let mut writer = ParquetWriter::new(out, &self.study, columns).map_err(refused)?;
+        let mut writer = ParquetWriter::new(out, &self.study, columns).map_err(MergeError::Output)?;
         let head = record_line(&self.headings).map_err(MergeError::Output)?;
         self.each_chunk(|text| {
             // The text has the digits that restore each number.
@@ -130,7 +121,7 @@ impl MergedParts {
             })
             .map_err(|reason| MergeError::Output(io::Error::other(reason)))
         })?;
-        writer.finish().map_err(refused)
+        writer.finish().map_err(MergeError::Output)
     }
 
     /// Passes the lines on in the order of the study, whole blocks at a time.
@@ -153,11 +144,10 @@ impl MergedParts {
 ///
 /// # Errors
 /// The parts are CSV, which does not tell the types, or the first is damaged.
-#[cfg(feature = "parquet")]
 pub fn types(files: &TableFiles) -> Result<Vec<Heading>, MergeError> {
     let path = &files.files()[0].path;
     let refused = |reason: String| PartsError::Refused(format!("{}: {reason}", path.display()));
-    if !is_parquet(path) {
+    if TableFormat::of(path) != TableFormat::Parquet {
         let reason = "is CSV, which does not tell numbers, whole numbers and words apart; expected parts in Parquet, or a table in CSV";
         return Err(refused(reason.into()).into());
     }

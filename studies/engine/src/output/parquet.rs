@@ -6,7 +6,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
-use std::io::Write;
+use std::io::{self, Write};
 use std::sync::Arc;
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
@@ -26,9 +26,6 @@ use crate::output::table::{Heading, Kind, Series, Table, Values};
 /// batches of its rows.
 const GROUP: usize = 1 << 16;
 
-/// The first bytes of a file.
-pub const MAGIC: &[u8] = b"PAR1";
-
 /// A file in progress.
 pub struct ParquetWriter<W: Write + Send> {
     writer: SerializedFileWriter<SealingWriter<W>>,
@@ -40,7 +37,11 @@ impl<W: Write + Send> ParquetWriter<W> {
     ///
     /// # Errors
     /// `out` takes no bytes.
-    pub fn new(out: W, study: &[String], columns: &[Heading]) -> Result<ParquetWriter<W>> {
+    pub fn new(out: W, study: &[String], columns: &[Heading]) -> io::Result<ParquetWriter<W>> {
+        ParquetWriter::begun(out, study, columns).map_err(io::Error::other)
+    }
+
+    fn begun(out: W, study: &[String], columns: &[Heading]) -> Result<ParquetWriter<W>> {
         let units: BTreeMap<&str, &str> =
             columns.iter().filter_map(|heading| Some((heading.name.as_str(), heading.unit.as_deref()?))).collect();
         let units = serde_json::to_string(&units).map_err(|error| ParquetError::External(error.into()))?;
@@ -60,11 +61,11 @@ impl<W: Write + Send> ParquetWriter<W> {
     ///
     /// # Errors
     /// `out` takes no bytes.
-    pub fn push(&mut self, rows: Table) -> Result<()> {
+    pub fn push(&mut self, rows: Table) -> io::Result<()> {
         self.group.append(rows);
         while self.group.rows() >= GROUP {
             let more = self.group.split_off(GROUP);
-            self.end_group()?;
+            self.end_group().map_err(io::Error::other)?;
             self.group = more;
         }
         Ok(())
@@ -74,12 +75,12 @@ impl<W: Write + Send> ParquetWriter<W> {
     ///
     /// # Errors
     /// `out` takes no bytes.
-    pub fn finish(mut self) -> Result<W> {
+    pub fn finish(mut self) -> io::Result<W> {
         if self.group.rows() > 0 {
-            self.end_group()?;
+            self.end_group().map_err(io::Error::other)?;
         }
         self.writer.inner_mut().begin_end();
-        Ok(self.writer.into_inner()?.finish()?)
+        self.writer.into_inner().map_err(io::Error::other)?.finish()
     }
 
     fn end_group(&mut self) -> Result<()> {
@@ -136,7 +137,7 @@ fn field(heading: &Heading) -> Result<Arc<Type>> {
 ///
 /// # Errors
 /// None in practice: the file is written to memory.
-pub fn file(study: &[String], columns: &[Heading], table: Table) -> Result<Vec<u8>> {
+pub fn file(study: &[String], columns: &[Heading], table: Table) -> io::Result<Vec<u8>> {
     let mut writer = ParquetWriter::new(Vec::new(), study, columns)?;
     if table.rows() > 0 {
         writer.push(table)?;
@@ -155,7 +156,11 @@ impl Groups {
     ///
     /// # Errors
     /// The content is not that of a Parquet file, or a column has columns of its own.
-    pub(super) fn new(content: File) -> Result<Groups> {
+    pub(super) fn new(content: File) -> io::Result<Groups> {
+        Groups::begun(content).map_err(io::Error::other)
+    }
+
+    fn begun(content: File) -> Result<Groups> {
         let reader = SerializedFileReader::new(content)?;
         let metadata = reader.metadata().file_metadata();
         let units: BTreeMap<String, String> =
@@ -198,7 +203,11 @@ impl Groups {
     ///
     /// # Errors
     /// The content is damaged.
-    pub(super) fn group(&self, group: usize, is_wanted: &[bool]) -> Result<GroupReader> {
+    pub(super) fn group(&self, group: usize, is_wanted: &[bool]) -> io::Result<GroupReader> {
+        self.begin_group(group, is_wanted).map_err(io::Error::other)
+    }
+
+    fn begin_group(&self, group: usize, is_wanted: &[bool]) -> Result<GroupReader> {
         let group = self.reader.get_row_group(group)?;
         let wanted = self.headings.iter().enumerate().filter(|(number, _)| is_wanted[*number]);
         let column = |(number, heading): (usize, &Heading)| Ok((heading.clone(), group.get_column_reader(number)?));
@@ -220,11 +229,12 @@ impl GroupReader {
     ///
     /// # Errors
     /// The content is damaged, or a column is neither one of numbers, whole numbers, booleans nor texts.
-    pub(super) fn next(&mut self, most: usize) -> Result<Option<(usize, Vec<Series>)>> {
+    pub(super) fn next(&mut self, most: usize) -> io::Result<Option<(usize, Vec<Series>)>> {
         let rows = self.left.min(most);
         self.left -= rows;
         let columns = self.columns.iter_mut().map(|(heading, reader)| series(heading, reader, rows));
-        if rows == 0 { Ok(None) } else { Ok(Some((rows, columns.collect::<Result<_>>()?))) }
+        let columns = columns.collect::<Result<_>>().map_err(io::Error::other)?;
+        Ok((rows > 0).then_some((rows, columns)))
     }
 }
 

@@ -12,13 +12,14 @@ use std::str::FromStr;
 use rocking_block::numerics::wide::VectorWidth;
 
 use crate::output::csv::lines;
-#[cfg(feature = "parquet")]
+use crate::output::format::TableFormat;
 use crate::output::parquet;
-use crate::output::reading::{TableReadError, is_parquet, parquet_description};
+use crate::output::reading::{TableReadError, parquet_description};
 use crate::output::resumable::TableHeader;
 use crate::output::runner::{Study, StudyRows};
 use crate::output::seal::{self, Seal, SealingWriter};
 use crate::output::table::Table;
+use crate::spec::words::Words;
 
 /// Number of blocks of rows in a part of a large study. It is enough for all parts to cost about the same.
 const BLOCKS: u64 = 32;
@@ -53,16 +54,17 @@ impl PartNumber {
     }
 
     /// The name of its file, such as `part-00003-of-00100.csv`.
-    pub fn file_name(self, extension: &str) -> String {
-        format!("part-{:05}-of-{:05}.{extension}", self.number, self.count)
+    pub fn file_name(self, format: TableFormat) -> String {
+        format!("part-{:05}-of-{:05}.{}", self.number, self.count, format.word())
     }
 
-    /// The part whose file has this name.
-    pub(super) fn of_file(name: &str) -> Option<PartNumber> {
+    /// The part whose file has this name, and its format.
+    pub(super) fn of_file(name: &str) -> Option<(PartNumber, TableFormat)> {
         let (stem, extension) = name.rsplit_once('.')?;
         let (number, count) = stem.strip_prefix("part-")?.split_once("-of-")?;
         let part = PartNumber::new(number.parse().ok()?, count.parse().ok()?)?;
-        (part.file_name(extension) == name && ["csv", "parquet"].contains(&extension)).then_some(part)
+        let format = TableFormat::named(extension)?;
+        (part.file_name(format) == name).then_some((part, format))
     }
 }
 
@@ -143,44 +145,38 @@ pub fn ranges(numbers: impl IntoIterator<Item = u64>) -> String {
 ///
 /// # Errors
 /// None in practice: the file is written to memory.
-pub fn file(header: &TableHeader, rows: Table, format: &str) -> io::Result<Vec<u8>> {
-    #[cfg(feature = "parquet")]
-    if format == "parquet" {
-        return parquet::file(&header.study, &header.columns, rows).map_err(io::Error::other);
+pub fn file(header: &TableHeader, rows: Table, format: TableFormat) -> io::Result<Vec<u8>> {
+    match format {
+        TableFormat::Csv => {
+            let mut writer = SealingWriter::new(Vec::new());
+            writer.write_all((header.text()? + &lines(&rows)?).as_bytes())?;
+            writer.finish_text()
+        }
+        TableFormat::Parquet => parquet::file(&header.study, &header.columns, rows),
     }
-    if format != "csv" {
-        return Err(io::Error::other(format!("found the format {format}; expected {}", FORMATS.join(" or "))));
-    }
-    let mut writer = SealingWriter::new(Vec::new());
-    writer.write_all((header.text()? + &lines(&rows)?).as_bytes())?;
-    writer.finish_text()
 }
 
-/// The formats that this build writes; the first is the default of parts.
-pub const FORMATS: &[&str] = if cfg!(feature = "parquet") { &["parquet", "csv"] } else { &["csv"] };
-
-/// The format of a part in a folder with files of these names: that which is wanted, or of the parts that are there.
+/// The format of a part in a folder with files of these names: that which is wanted, of the parts that are there, or the usual one.
 ///
 /// # Errors
 /// There are parts of another set or format, which would not be read together.
 pub fn format_in(
     names: impl IntoIterator<Item = String>,
     count: u64,
-    wanted: Option<&str>,
-) -> Result<Option<String>, String> {
-    let format = |name: &String| name.rsplit_once('.').map(|(_, format)| format.to_string());
-    let mut parts = names.into_iter().filter_map(|name| Some((PartNumber::of_file(&name)?, format(&name)?, name)));
-    let other = |(part, format, _): &(PartNumber, String, String)| {
-        part.count != count || wanted.is_some_and(|wanted| wanted != format)
+    wanted: Option<TableFormat>,
+) -> Result<TableFormat, String> {
+    let mut parts = names.into_iter().filter_map(|name| Some((PartNumber::of_file(&name)?, name)));
+    let other = |((part, format), _): &((PartNumber, TableFormat), String)| {
+        part.count != count || wanted.is_some_and(|wanted| wanted != *format)
     };
     let first = parts.next();
     match first.iter().cloned().chain(parts).find(other) {
-        Some((_, _, name)) => {
-            let format = wanted.map(|format| format!(" in {format}")).unwrap_or_default();
+        Some((_, name)) => {
+            let format = wanted.map(|format| format!(" in {}", format.word())).unwrap_or_default();
             let expected = format!("expected some of {count} parts{format}, or another folder");
             Err(format!("has parts of another set, such as {name}; {expected}"))
         }
-        None => Ok(wanted.map(String::from).or(first.map(|(_, format, _)| format))),
+        None => Ok(wanted.or(first.map(|((_, format), _)| format)).unwrap_or(TableFormat::OF_PARTS)),
     }
 }
 
@@ -383,7 +379,7 @@ pub fn state(path: &Path, header: &TableHeader) -> Result<PartState, PartsError>
 /// The description in the file of a part, line by line.
 pub(super) fn description(path: &Path) -> Result<Vec<String>, PartsError> {
     let file = open(path)?;
-    if is_parquet(path) {
+    if TableFormat::of(path) == TableFormat::Parquet {
         return Ok(parquet_description(&path.display().to_string(), file)?);
     }
     // A damaged file may have bytes that are no text.

@@ -1,18 +1,16 @@
 //! Tables whose columns are not known → typed columns, one file after the other.
 
 use std::collections::HashMap;
-#[cfg(feature = "parquet")]
 use std::fmt::Display;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-use csv::{ReaderBuilder, StringRecord};
-
-#[cfg(feature = "parquet")]
+use crate::output::format::TableFormat;
 use crate::output::parquet::{GroupReader, Groups};
 use crate::output::table::{Heading, Kind, Series, Table, Values, split_heading};
+use csv::{ReaderBuilder, StringRecord};
 
 /// The reason why a table cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -156,7 +154,6 @@ impl ColumnBuilder {
     }
 
     /// Appends the values of a typed column.
-    #[cfg(feature = "parquet")]
     fn append(&mut self, more: Series) {
         match (&mut *self, &more.values, &more.heading.kind) {
             (ColumnBuilder::Numbers(series), _, kind) if series.heading.kind == *kind => series.append(more),
@@ -178,17 +175,8 @@ pub(super) struct FileRows<'c> {
 }
 
 enum Content<'c> {
-    Csv {
-        reader: Box<csv::Reader<Box<dyn Read + 'c>>>,
-        header: StringRecord,
-        is_over: bool,
-    },
-    #[cfg(feature = "parquet")]
-    Parquet {
-        groups: Groups,
-        next: usize,
-        group: Option<GroupReader>,
-    },
+    Csv { reader: Box<csv::Reader<Box<dyn Read + 'c>>>, header: StringRecord, is_over: bool },
+    Parquet { groups: Groups, next: usize, group: Option<GroupReader> },
 }
 
 /// Column of the numbers of rows.
@@ -269,7 +257,10 @@ impl<'a> TableReader<'a> {
         let file = path.display().to_string();
         let content =
             File::open(path).map_err(|error| TableReadError::refused(&file, format!("cannot be read: {error}")))?;
-        if is_parquet(path) { self.begin_parquet(&file, content) } else { self.begin_csv(&file, content) }
+        match TableFormat::of(path) {
+            TableFormat::Csv => self.begin_csv(&file, content),
+            TableFormat::Parquet => self.begin_parquet(&file, content),
+        }
     }
 
     fn begin_csv<'c>(&mut self, file: &str, content: impl Read + 'c) -> Result<FileRows<'c>, TableReadError> {
@@ -284,12 +275,6 @@ impl<'a> TableReader<'a> {
         Ok(FileRows { file: file.into(), before: self.rows, content: Content::Csv { reader, header, is_over: false } })
     }
 
-    #[cfg(not(feature = "parquet"))]
-    fn begin_parquet(&mut self, file: &str, _: File) -> Result<FileRows<'static>, TableReadError> {
-        Err(no_parquet(file))
-    }
-
-    #[cfg(feature = "parquet")]
     fn begin_parquet(&mut self, file: &str, content: File) -> Result<FileRows<'static>, TableReadError> {
         let groups = Groups::new(content).map_err(|error| not_parquet(file, error))?;
         let headings = groups.headings.iter().map(Heading::to_string).collect();
@@ -333,7 +318,6 @@ impl<'a> TableReader<'a> {
                 *is_over = true;
                 Ok(true)
             }
-            #[cfg(feature = "parquet")]
             Content::Parquet { groups, next, group } => loop {
                 let read = group.as_mut().map(|group| group.next(BATCH as usize)).transpose();
                 if let Some((rows, columns)) = read.map_err(|error| not_parquet(file, error))?.flatten() {
@@ -392,32 +376,16 @@ fn damaged_csv(file: &str, error: &csv::Error) -> TableReadError {
     TableReadError::damaged(file, reason)
 }
 
-/// Whether a table is Parquet, by its name.
-pub fn is_parquet(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"))
-}
-
 /// Returns the description in a Parquet file, line by line.
-#[cfg(feature = "parquet")]
 pub(super) fn parquet_description(file: &str, content: File) -> Result<Vec<String>, TableReadError> {
     Ok(Groups::new(content).map_err(|error| not_parquet(file, error))?.study())
 }
 
-#[cfg(not(feature = "parquet"))]
-pub(super) fn parquet_description(file: &str, _: File) -> Result<Vec<String>, TableReadError> {
-    Err(no_parquet(file))
-}
-
-#[cfg(not(feature = "parquet"))]
-fn no_parquet(file: &str) -> TableReadError {
-    let reason = "cannot be read as Parquet: this program is built without it; expected a table in .csv, or a program built with \
-                  --features rocking/parquet";
-    TableReadError::refused(file, reason.into())
-}
-
-#[cfg(feature = "parquet")]
 fn not_parquet(file: &str, error: impl Display) -> TableReadError {
-    TableReadError::damaged(file, format!("cannot be read as Parquet: {error}"))
+    match TableFormat::Parquet.check() {
+        Ok(()) => TableReadError::damaged(file, format!("cannot be read as Parquet: {error}")),
+        Err(unknown) => TableReadError::refused(file, format!("cannot be read: {unknown}")),
+    }
 }
 
 #[cfg(test)]

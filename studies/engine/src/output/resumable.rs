@@ -7,9 +7,9 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use crate::output::csv::{heading_line, read_batches};
+use crate::output::csv::{comments, heading_line, read_batches};
+use crate::output::format::TableFormat;
 use crate::output::output_target::{OutputTarget, OutputTargetError};
-#[cfg(feature = "parquet")]
 use crate::output::parquet::ParquetWriter;
 use crate::output::seal::SealingWriter;
 use crate::output::table::{Heading, Table};
@@ -48,17 +48,12 @@ pub struct TableHeader {
 }
 
 impl TableHeader {
-    /// The description of the study as comments.
-    pub fn study_text(&self) -> String {
-        self.study.iter().map(|line| format!("# {}\n", line.replace(['\n', '\r'], " "))).collect()
-    }
-
     /// The first lines of the file, with their ends.
     ///
     /// # Errors
     /// A name of a column that CSV cannot write.
     pub fn text(&self) -> std::io::Result<String> {
-        Ok(self.study_text() + &heading_line(&self.columns)?)
+        Ok(comments(&self.study) + &heading_line(&self.columns)?)
     }
 }
 
@@ -72,16 +67,9 @@ pub struct ResumableTable {
 
 /// The destination of the rows.
 enum Sink {
-    File {
-        path: PathBuf,
-        file: File,
-    },
-    Stream {
-        out: Box<dyn Write + Send>,
-        outlives_reader: bool,
-    },
+    File { path: PathBuf, file: File },
+    Stream { out: Box<dyn Write + Send>, outlives_reader: bool },
     Part(SealingWriter<Box<dyn Write + Send>>),
-    #[cfg(feature = "parquet")]
     Parquet(Box<ParquetWriter<Box<dyn Write + Send>>>),
 }
 
@@ -172,38 +160,31 @@ impl ResumableTable {
         Ok(table)
     }
 
-    /// Begins a table in CSV that is complete or absent. `name` is its name in errors.
+    /// Begins a table that is complete or absent, in a format. `name` is its name in errors.
     ///
     /// # Errors
-    /// `out` takes no bytes.
+    /// `out` takes no bytes, or the program does not know the format.
     pub fn whole(
         name: &str,
         header: &TableHeader,
         out: Box<dyn Write + Send>,
+        format: TableFormat,
     ) -> Result<ResumableTable, TableWriteError> {
-        ResumableTable::begun(name.into(), header, Sink::Part(SealingWriter::new(out)))
+        match format {
+            TableFormat::Csv => ResumableTable::begun(name.into(), header, Sink::Part(SealingWriter::new(out))),
+            TableFormat::Parquet => {
+                let writer = ParquetWriter::new(out, &header.study, &header.columns)
+                    .map_err(|error| TableWriteError::Refused(format!("{name}: {error}")))?;
+                let sink = Sink::Parquet(Box::new(writer));
+                Ok(ResumableTable { name: name.into(), sink, rows: 0, failures: Failures::default() })
+            }
+        }
     }
 
     fn begun(name: String, header: &TableHeader, sink: Sink) -> Result<ResumableTable, TableWriteError> {
         let mut table = ResumableTable { name, sink, rows: 0, failures: Failures::default() };
         table.write(header.text())?;
         Ok(table)
-    }
-
-    /// Begins a table in Parquet that cannot be resumed.
-    ///
-    /// # Errors
-    /// `out` takes no bytes.
-    #[cfg(feature = "parquet")]
-    pub fn parquet(
-        name: &str,
-        header: &TableHeader,
-        out: Box<dyn Write + Send>,
-    ) -> Result<ResumableTable, TableWriteError> {
-        let writer = ParquetWriter::new(out, &header.study, &header.columns)
-            .map_err(|error| TableWriteError::Refused(format!("{name}: {error}")))?;
-        let sink = Sink::Parquet(Box::new(writer));
-        Ok(ResumableTable { name: name.into(), sink, rows: 0, failures: Failures::default() })
     }
 
     /// Writes the end of a table: that of a whole one has a checksum.
@@ -217,7 +198,6 @@ impl ResumableTable {
                 let failed = |error| TableWriteError::Io { file: self.name, what: "written", error };
                 out.finish_text().map(|_| ()).map_err(failed)
             }
-            #[cfg(feature = "parquet")]
             Sink::Parquet(writer) => {
                 let ended = writer.finish().map(|_| ());
                 ended.map_err(|error| TableWriteError::Refused(format!("{}: {error}", self.name)))
@@ -229,7 +209,6 @@ impl ResumableTable {
     pub(super) fn is_text(&self) -> bool {
         match self.sink {
             Sink::File { .. } | Sink::Stream { .. } | Sink::Part(_) => true,
-            #[cfg(feature = "parquet")]
             Sink::Parquet(_) => false,
         }
     }
@@ -275,7 +254,6 @@ impl ResumableTable {
     pub fn push(&mut self, lines: std::io::Result<String>, rows: &Table) -> Result<(), TableWriteError> {
         match &mut self.sink {
             Sink::File { .. } | Sink::Stream { .. } | Sink::Part(_) => self.write(lines)?,
-            #[cfg(feature = "parquet")]
             Sink::Parquet(writer) => writer
                 .push(rows.clone())
                 .map_err(|error| TableWriteError::Refused(format!("{}: {error}", self.name)))?,
@@ -299,7 +277,6 @@ impl ResumableTable {
                     _ => Err(error),
                 })
             }
-            #[cfg(feature = "parquet")]
             Sink::Parquet(_) => unreachable!("a Parquet file takes no text"),
         });
         written.map_err(|error| self.io("written", error))

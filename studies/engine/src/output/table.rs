@@ -133,6 +133,20 @@ impl<'c, R> TableColumn<'c, R> {
         &self.heading
     }
 
+    /// The values of rows, under the heading of the column.
+    pub fn series(&self, rows: &[R]) -> Series {
+        Series { heading: self.heading.clone(), values: self.values(rows) }
+    }
+
+    /// The number in a row; NaN in a column of another type.
+    pub fn number(&self, row: &R) -> f64 {
+        match &self.value {
+            Value::Real(value) => value(row),
+            Value::Integer(value) => value(row) as f64,
+            Value::Boolean(_) | Value::Choice(_) | Value::Text(_) => f64::NAN,
+        }
+    }
+
     fn values(&self, rows: &[R]) -> Values {
         match &self.value {
             Value::Real(value) => Values::Real(rows.iter().map(value).collect()),
@@ -280,8 +294,7 @@ pub struct Table {
 impl Table {
     /// Takes the values of all columns from rows.
     pub fn of<R>(columns: &[TableColumn<R>], rows: &[R]) -> Table {
-        let series = |column: &TableColumn<R>| Series { heading: column.heading.clone(), values: column.values(rows) };
-        Table { columns: columns.iter().map(series).collect(), rows: rows.len() }
+        Table { columns: columns.iter().map(|column| column.series(rows)).collect(), rows: rows.len() }
     }
 
     /// A table without rows.

@@ -88,7 +88,11 @@ impl TableFiles {
         };
         let file = |path: PathBuf| {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            TableFile { keys: keys(path.strip_prefix(&root).unwrap_or(&path)), part: PartNumber::of_file(&name), path }
+            TableFile {
+                keys: keys(path.strip_prefix(&root).unwrap_or(&path)),
+                part: PartNumber::of_file(&name).map(|(part, _)| part),
+                path,
+            }
         };
         let mut files: Vec<TableFile> = paths.into_iter().map(file).collect();
         if files.iter().any(|file| file.part.is_some()) {

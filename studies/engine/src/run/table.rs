@@ -1,7 +1,8 @@
-//! A history → a CSV table.
+//! A history → a table.
 
 use std::ops::Range;
 
+use crate::output::table::{Series, Table, TableColumn};
 use crate::run::gradients::Derivatives;
 use crate::run::outcome::Holds;
 use crate::run::{History, Row};
@@ -49,27 +50,10 @@ const OF_FRICTION: [FixedColumn; 3] = [
     ("energy.friction", "J", |row| row.energies.friction),
 ];
 
-/// A column: its name, its unit and its value in a row.
-pub struct HistoryColumn {
-    /// Its name.
-    pub name: String,
-    /// Its unit.
-    pub unit: &'static str,
-    value: Box<dyn Fn(&Row) -> f64>,
-}
-
-impl HistoryColumn {
-    /// The value in a row.
-    pub fn value(&self, row: &Row) -> f64 {
-        (self.value)(row)
-    }
-
-    /// Whether it has derivatives: numbers do, and no sums of energy since the start.
-    pub fn has_derivative(&self) -> bool {
-        let name = self.name.as_str();
-        !matches!(name, "t" | "regime")
-            && (!name.starts_with("energy.") || matches!(name, "energy.total" | "energy.kinetic"))
-    }
+/// Whether a column has derivatives: numbers do, and no sums of energy since the start.
+pub fn has_derivative(name: &str) -> bool {
+    !matches!(name, "t" | "regime")
+        && (!name.starts_with("energy.") || matches!(name, "energy.total" | "energy.kinetic"))
 }
 
 /// The name of the column of each link's force, in the order of the links.
@@ -79,18 +63,17 @@ pub fn force_columns(block: &Block) -> Vec<String> {
 }
 
 /// The columns of a block's history. They are those of every table, and those of friction, ties and dampers where the block has them.
-pub fn columns(block: &Block) -> Vec<HistoryColumn> {
+pub fn columns(block: &Block) -> Vec<TableColumn<'static, Row>> {
     let holds = Holds::of(block);
-    let fixed = |(name, unit, value): FixedColumn| HistoryColumn { name: name.into(), unit, value: Box::new(value) };
-    let mut columns: Vec<HistoryColumn> = COLUMNS.map(fixed).into();
+    let fixed = |(name, unit, value): FixedColumn| TableColumn::real(name, unit, value);
+    let mut columns: Vec<TableColumn<Row>> = COLUMNS.map(fixed).into();
     if holds.friction {
         columns.extend(OF_FRICTION.map(fixed));
     }
     let links = tie::names(block.ties()).into_iter().zip(force_columns(block)).zip(block.ties());
     for (number, ((link, force), tie)) in links.enumerate() {
-        let mut of_link = |name, unit, of: fn(&ObservedRestraint) -> f64| {
-            let value = Box::new(move |row: &Row| of(&row.observation.restraints[number]));
-            columns.push(HistoryColumn { name, unit, value });
+        let mut of_link = |name: String, unit, of: fn(&ObservedRestraint) -> f64| {
+            columns.push(TableColumn::real(name, unit, move |row: &Row| of(&row.observation.restraints[number])));
         };
         of_link(force, "N", |restraint| restraint.pull);
         if tie.kind == LinkKind::Damper || tie.yields() {
@@ -107,35 +90,18 @@ pub fn columns(block: &Block) -> Vec<HistoryColumn> {
     columns
 }
 
-/// Returns rows of a block's history as CSV, with the derivatives of its columns after them. Numbers have the digits that restore them
-/// exactly. The headings precede the first row of the history.
-///
-/// # Errors
-/// None in practice: the text is written to memory.
-pub fn csv(
-    block: &Block,
-    history: &History,
-    gradients: &[Derivatives],
-    range: Range<usize>,
-) -> Result<Vec<u8>, csv::Error> {
+/// Returns rows of a block's history, with the derivatives of its columns after them.
+pub fn table(block: &Block, history: &History, gradients: &[Derivatives], range: Range<usize>) -> Table {
     let columns = columns(block);
-    let varied: Vec<&HistoryColumn> = columns.iter().filter(|column| column.has_derivative()).collect();
-    let heading = |HistoryColumn { name, unit, .. }: &HistoryColumn| format!("{name} [{unit}]");
-    let derivative = |of: &Derivatives, HistoryColumn { name, unit, .. }: &HistoryColumn| {
-        let (parameter, per) = (&of.name, rocking_gradients::unit(&of.name));
-        let unit = if per == "1" { (*unit).into() } else { format!("({unit})/({per})") };
-        format!("d({name})/d({parameter}) [{unit}]")
-    };
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let of_derivatives = gradients.iter().flat_map(|of| varied.iter().map(move |column| derivative(of, column)));
-    if range.start == 0 {
-        writer.write_record(columns.iter().map(heading).chain(of_derivatives))?;
+    let mut series: Vec<Series> = columns.iter().map(|column| column.series(&history.rows[range.clone()])).collect();
+    for Derivatives { name: parameter, rows, .. } in gradients {
+        let per = rocking_gradients::unit(parameter);
+        for column in columns.iter().filter(|column| has_derivative(&column.heading().name)) {
+            let Series { mut heading, values } = column.series(&rows[range.clone()]);
+            heading.name = format!("d({})/d({parameter})", heading.name);
+            heading.unit = heading.unit.map(|unit| if per == "1" { unit } else { format!("({unit})/({per})") });
+            series.push(Series { heading, values });
+        }
     }
-    for (i, row) in range.clone().zip(&history.rows[range]) {
-        let values = columns.iter().map(|column| column.value(row).to_string());
-        let of = |of: &Derivatives, column: &HistoryColumn| column.value(&of.rows[i]).to_string();
-        let derivatives = gradients.iter().flat_map(|gradient| varied.iter().map(move |column| of(gradient, column)));
-        writer.write_record(values.chain(derivatives))?;
-    }
-    Ok(writer.into_inner().map_err(csv::IntoInnerError::into_error)?)
+    Table::of_series(series)
 }

@@ -1,10 +1,12 @@
-//! A history in space → a CSV table.
+//! A history in space → a table.
 
 use std::ops::Range;
 
 use rocking_block::space::SpaceParameters;
 use rocking_block::space::outputs::FootObservation;
 
+use crate::output::format::DescribedTable;
+use crate::output::table::{Table, TableColumn};
 use crate::space::{HistoryInSpace, RowInSpace, foot_names};
 
 /// A column: its name, its unit and its value in a row.
@@ -73,62 +75,21 @@ fn greatest(row: &RowInSpace, of: fn(&FootObservation) -> f64) -> f64 {
     row.observation.feet.iter().map(of).fold(0.0, f64::max)
 }
 
-/// A column of a table: of the whole block, or of a foot by its number.
-#[derive(Clone, Debug)]
-pub struct ColumnInSpace {
-    /// Name.
-    pub name: String,
-    /// Unit, "1" for pure numbers.
-    pub unit: &'static str,
-    value: Value,
-}
-
-#[derive(Clone, Debug)]
-enum Value {
-    OfBlock(fn(&RowInSpace) -> f64),
-    OfFoot(usize, fn(&FootObservation) -> f64),
-}
-
-impl ColumnInSpace {
-    /// Returns the value in a row.
-    pub fn value(&self, row: &RowInSpace) -> f64 {
-        match self.value {
-            Value::OfBlock(value) => value(row),
-            Value::OfFoot(foot, value) => value(&row.observation.feet[foot]),
-        }
-    }
-}
-
 /// Returns the columns of the table of a block: those of every table, then those of each foot.
-pub fn columns(parameters: &SpaceParameters) -> Vec<ColumnInSpace> {
-    let of_block = COLUMNS.iter().map(|&(name, unit, value)| ColumnInSpace {
-        name: name.into(),
-        unit,
-        value: Value::OfBlock(value),
-    });
+pub fn columns(parameters: &SpaceParameters) -> Vec<TableColumn<'static, RowInSpace>> {
+    let of_block = COLUMNS.iter().map(|&(name, unit, value)| TableColumn::real(name, unit, value));
     let of_feet = foot_names(parameters).into_iter().enumerate().flat_map(|(i, foot)| {
-        OF_FOOT.map(|(name, unit, value)| ColumnInSpace {
-            name: format!("{name}_{foot}"),
-            unit,
-            value: Value::OfFoot(i, value),
+        OF_FOOT.map(|(name, unit, value)| {
+            let value = move |row: &RowInSpace| value(&row.observation.feet[i]);
+            TableColumn::real(format!("{name}_{foot}"), unit, value)
         })
     });
     of_block.chain(of_feet).collect()
 }
 
-/// Returns some rows as CSV, the first one after a line that says what they are and the headings. Numbers have the digits that restore them exactly.
-///
-/// # Errors
-/// None in practice: the text is written to memory.
-pub fn csv(parameters: &SpaceParameters, history: &HistoryInSpace, rows: Range<usize>) -> Result<Vec<u8>, csv::Error> {
-    let (columns, feet) = (columns(parameters), foot_names(parameters).len());
-    let head = if rows.start == 0 { format!("# block in space on {feet} feet\n") } else { String::new() };
-    let mut writer = csv::Writer::from_writer(head.into_bytes());
-    if rows.start == 0 {
-        writer.write_record(columns.iter().map(|column| format!("{} [{}]", column.name, column.unit)))?;
-    }
-    for row in &history.rows[rows] {
-        writer.write_record(columns.iter().map(|column| column.value(row).to_string()))?;
-    }
-    Ok(writer.into_inner().map_err(csv::IntoInnerError::into_error)?)
+/// Returns rows of a history, and a line that says what they are.
+pub fn table(parameters: &SpaceParameters, history: &HistoryInSpace, rows: Range<usize>) -> DescribedTable {
+    let feet = foot_names(parameters).len();
+    let table = Table::of(&columns(parameters), &history.rows[rows]);
+    DescribedTable { study: vec![format!("block in space on {feet} feet")], table }
 }

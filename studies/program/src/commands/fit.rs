@@ -1,6 +1,5 @@
 //! `rocking fit`: a study file with tests of a block → estimates with their intervals.
 
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
@@ -14,6 +13,7 @@ use crate::output::report::ReportOptions;
 use rocking_charts::numerals::{ends, readable};
 use rocking_studies::fit::{Estimate, Fit, TestFit, file, fit};
 use rocking_studies::input::study_file::StudyFileError;
+use rocking_studies::output::table::{Table, TableColumn};
 
 /// Options of `rocking fit`.
 #[derive(Parser)]
@@ -53,8 +53,8 @@ pub fn run(options: &FitCommand) -> anyhow::Result<()> {
     let found = fit(&problem, &threads.pool()?, &|done, all| bar.show_of(done, all));
     let found = found.map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
     bar.clear();
-    outputs.fill("csv", || Ok(table(&found).into_bytes()))?;
-    outputs.fill("residuals", || Ok(residual_table(&found).into_bytes()))?;
+    outputs.fill_table("csv", || Ok(table(&found)))?;
+    outputs.fill_table("residuals", || Ok(residual_table(&found)))?;
     outputs.fill("plot", || {
         let title = study.file_stem().map_or(name, |stem| stem.to_string_lossy().into_owned());
         Ok(format.encode(&rocking_charts::fit::fit(&found, &format!("fit to {title}"))?)?)
@@ -63,30 +63,45 @@ pub fn run(options: &FitCommand) -> anyhow::Result<()> {
     report.print("fit", &written, &found.notes, &(summary(&found) + &written.lines()), &found)
 }
 
-/// Writes the estimates as CSV.
-fn table(fit: &Fit) -> String {
-    let mut table =
-        String::from("parameter,unit,value,standard_error,low,high,quadratic_low,quadratic_high,at_bound\n");
-    for estimate in &fit.estimates {
-        let Estimate { name, unit, value, standard_error, quadratic_interval: [low, high], at_bound, .. } = estimate;
-        let [from, to] =
-            estimate.interval.unwrap_or([None, None]).map(|end| end.map_or(String::new(), |end| end.to_string()));
-        let is_at_bound = at_bound.is_some();
-        // Writing to a String never fails.
-        let _ = writeln!(table, "{name},{unit},{value},{standard_error},{from},{to},{low},{high},{is_at_bound}");
+/// Returns the table of the estimates.
+fn table(fit: &Fit) -> Table {
+    fn number<'c>(name: &str, of: impl Fn(&Estimate) -> Option<f64> + Sync + 'c) -> TableColumn<'c, Estimate> {
+        TableColumn::optional(name, "1", of).with_unit(None)
     }
-    table
+    let end = |end: usize| move |estimate: &Estimate| estimate.interval?[end];
+    let columns = [
+        TableColumn::text("parameter", |estimate: &Estimate| estimate.name.clone()),
+        TableColumn::text("unit", |estimate: &Estimate| estimate.unit.clone()),
+        number("value", |estimate| Some(estimate.value)),
+        number("standard_error", |estimate| Some(estimate.standard_error)),
+        number("low", end(0)),
+        number("high", end(1)),
+        number("quadratic_low", |estimate| Some(estimate.quadratic_interval[0])),
+        number("quadratic_high", |estimate| Some(estimate.quadratic_interval[1])),
+        TableColumn::boolean("at_bound", |estimate: &Estimate| estimate.at_bound.is_some()),
+    ];
+    Table::of(&columns, &fit.estimates)
 }
 
-/// Writes measured and fitted values as CSV. The columns are in the units of the measured quantities.
-fn residual_table(fit: &Fit) -> String {
-    let mut table = String::from("test,t [s],measured,fitted,residual\n");
-    for (number, TestFit { times, measured, fitted, residuals, .. }) in (1..).zip(&fit.tests) {
-        for i in 0..times.len() {
-            let _ = writeln!(table, "{number},{},{},{},{}", times[i], measured[i], fitted[i], residuals[i]);
-        }
+/// Returns the table of measured and fitted values, in the units of the measured quantities.
+fn residual_table(fit: &Fit) -> Table {
+    let numbers = |(number, test): (usize, &TestFit)| (0..test.times.len()).map(move |i| (number, i));
+    let rows: Vec<(usize, usize)> = fit.tests.iter().enumerate().flat_map(numbers).collect();
+    fn value<'c>(
+        name: &str,
+        fit: &'c Fit,
+        of: impl Fn(&TestFit) -> &[f64] + Sync + 'c,
+    ) -> TableColumn<'c, (usize, usize)> {
+        TableColumn::real(name, "s", move |(test, i): &(usize, usize)| of(&fit.tests[*test])[*i])
     }
-    table
+    let columns = [
+        TableColumn::count("test", |(test, _): &(usize, usize)| test + 1).with_unit(None),
+        value("t", fit, |test| &test.times),
+        value("measured", fit, |test| &test.measured).with_unit(None),
+        value("fitted", fit, |test| &test.fitted).with_unit(None),
+        value("residual", fit, |test| &test.residuals).with_unit(None),
+    ];
+    Table::of(&columns, &rows)
 }
 
 /// Writes the summary as text.

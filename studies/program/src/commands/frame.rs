@@ -19,7 +19,6 @@ use rocking_block::simulation::{Initial, OnSeparation};
 use rocking_charts::history::block_line;
 use rocking_studies::doubts;
 use rocking_studies::frame::{Frame, FrameResponse};
-use rocking_studies::output::csv::with_headings;
 use rocking_studies::run::{History, Run};
 use rocking_studies::spec::{BlockSpec, SingleRunSpec};
 
@@ -98,7 +97,7 @@ pub fn run(options: &FrameCommand, explicit: &ExplicitOptions) -> anyhow::Result
         [("csv", csv), ("plot", options.picture.plot.as_deref())],
     )?;
     let history = run.history(|_| ())?;
-    outputs.fill("csv", || Ok(with_headings(&frame.table(&history))?.into_bytes()))?;
+    outputs.fill_table("csv", || Ok(frame.table(&history)))?;
     outputs.fill("plot", || Ok(format.encode(&rocking_charts::frame::frame(&frame, &history, &excitation)?)?))?;
     let written = outputs.write()?;
     let summary = summary(&frame, &history, &excitation);

@@ -7,15 +7,14 @@ use anyhow::Context;
 use clap::{ArgGroup, Parser};
 
 use crate::output::files::{NamedFile, StreamedFile, check_distinct};
-use crate::output::formats::{check_table, knows_parquet};
+use crate::output::formats::{check_table, table_format};
 use crate::output::progress::Progress;
 use crate::output::report::{ReportOptions, WrittenFiles};
 use crate::output::summary::Summary;
-#[cfg(feature = "parquet")]
+use rocking_studies::output::format::TableFormat;
 use rocking_studies::output::merging;
 use rocking_studies::output::merging::{MergeError, MergedParts};
 use rocking_studies::output::output_target::OutputTarget;
-use rocking_studies::output::reading::is_parquet;
 use rocking_studies::output::table_files::TableFiles;
 
 /// Options of `rocking merge`.
@@ -48,7 +47,6 @@ pub fn run(options: &MergeCommand) -> anyhow::Result<()> {
     };
     check_name(option, path)?;
     let files = TableFiles::of(folder)?;
-    #[cfg(feature = "parquet")]
     let columns = if option == "parquet" { merging::types(&files)? } else { Vec::new() };
     let parts: Vec<_> = files.files().iter().map(|file| NamedFile::new("the part", &file.path)).collect();
     check_distinct(&parts, &[NamedFile::new(&format!("--{option}"), path)])?;
@@ -76,7 +74,6 @@ pub fn run(options: &MergeCommand) -> anyhow::Result<()> {
         bar.clear();
     }
     let written = match option {
-        #[cfg(feature = "parquet")]
         "parquet" => merged.write_parquet(&columns, out).map(|_| ()),
         _ => merged.write_csv(out).map(|_| ()),
     };
@@ -101,12 +98,18 @@ fn check_name(option: &str, path: &Path) -> anyhow::Result<()> {
     let name = path.display();
     match option {
         "csv" => {
-            anyhow::ensure!(!is_parquet(path), "--csv {name}: found a name in .parquet; expected --parquet {name}");
+            anyhow::ensure!(
+                TableFormat::of(path) != TableFormat::Parquet,
+                "--csv {name}: found a name in .parquet; expected --parquet {name}"
+            );
             check_table(path)
         }
         _ => {
-            anyhow::ensure!(is_parquet(path), "--parquet {name}: expected a name in .parquet");
-            knows_parquet(path).map(|_| ())
+            anyhow::ensure!(
+                TableFormat::of(path) == TableFormat::Parquet,
+                "--parquet {name}: expected a name in .parquet"
+            );
+            table_format(path).map(drop)
         }
     }
 }

@@ -1,10 +1,10 @@
 //! `rocking pulse`: an accelerogram → the pulse that fits its velocity best.
 
-use std::fmt::Write;
 use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Parser;
+use std::fmt::Write;
 
 use crate::options::accelerograms::refuse_without_effect;
 use crate::options::block::in_options;
@@ -18,7 +18,8 @@ use rocking_block::excitation::records::Ground;
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
 use rocking_studies::intensity::{pga, pgv};
-use rocking_studies::pulse_fit::{self, PulseFit};
+use rocking_studies::output::table::{Table, TableColumn};
+use rocking_studies::pulse_fit::{self, FitSample, PulseFit};
 use rocking_studies::spec::ReadingSpec;
 use rocking_studies::spec::pulse::shapes;
 use rocking_studies::spec::words::Words;
@@ -69,15 +70,14 @@ pub fn run(options: &PulseCommand) -> anyhow::Result<()> {
     let fit = pulse_fit::fit(&record, *shape)
         .with_context(|| format!("{name}: no {} pulse fits into the motion; expected a longer record", shape.word()))?;
     let samples = fit.samples(&record);
-    outputs.fill("csv", || {
-        let mut table = String::from("t [s],a [m/s2],a_pulse [m/s2],v [m/s],v_pulse [m/s]\n");
-        for sample in &samples {
-            let ([a, a_pulse], [v, v_pulse]) = (sample.acceleration, sample.velocity);
-            // Writing to a String never fails.
-            let _ = writeln!(table, "{},{a},{a_pulse},{v},{v_pulse}", sample.time);
-        }
-        Ok(table.into_bytes())
-    })?;
+    let columns = [
+        TableColumn::real("t", "s", |sample: &FitSample| sample.time),
+        TableColumn::real("a", "m/s2", |sample: &FitSample| sample.acceleration[0]),
+        TableColumn::real("a_pulse", "m/s2", |sample: &FitSample| sample.acceleration[1]),
+        TableColumn::real("v", "m/s", |sample: &FitSample| sample.velocity[0]),
+        TableColumn::real("v_pulse", "m/s", |sample: &FitSample| sample.velocity[1]),
+    ];
+    outputs.fill_table("csv", || Ok(Table::of(&columns, &samples)))?;
     let title = record.title.split_whitespace().collect::<Vec<_>>().join(" ");
     outputs.fill("plot", || Ok(format.encode(&rocking_charts::pulse_fit::pulse_fit(&samples, &fit, &title)?)?))?;
     let written = outputs.write()?;
@@ -85,7 +85,7 @@ pub fn run(options: &PulseCommand) -> anyhow::Result<()> {
     summary.item("file", name.to_string(), "file", name);
     summary.item("title", &title, "title", &title);
     add_pulse(&mut summary, &fit);
-    let peak = |of: fn(&pulse_fit::FitSample) -> f64| samples.iter().map(of).fold(0.0, |a: f64, b| a.max(b.abs()));
+    let peak = |of: fn(&FitSample) -> f64| samples.iter().map(of).fold(0.0, |a: f64, b| a.max(b.abs()));
     let pga = [pga(&record), peak(|sample| sample.acceleration[1])];
     let pgv = [pgv(&record), peak(|sample| sample.velocity[1])];
     summary.line("velocity", format!("{:.4} m/s at most, of PGV = {:.4} m/s", pgv[1], pgv[0]));

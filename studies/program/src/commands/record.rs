@@ -1,6 +1,5 @@
 //! `rocking record`: accelerograms → their contents and intensity measures, or a table.
 
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
@@ -19,6 +18,8 @@ use rocking_block::excitation::records::Ground;
 use rocking_records::Record;
 use rocking_studies::input::ground_files::{RecordOption, RecordOptions};
 use rocking_studies::intensity::{Measure, PERIODS, rot_d, rotated};
+use rocking_studies::output::format::DescribedTable;
+use rocking_studies::output::table::{Table, TableColumn};
 use rocking_studies::spec::ReadingSpec;
 
 /// Displacement (m) that the ground hardly reaches away from a fault. Integrals of a record that drifts exceed it.
@@ -104,10 +105,9 @@ pub fn run(options: &RecordCommand) -> anyhow::Result<()> {
     }
     grounds.truncate(files.len());
     let records = || grounds.iter().filter_map(|ground| ground.horizontal.as_ref());
-    outputs.fill("csv", || {
-        let table: String = shown.iter().zip(records()).map(|(path, record)| table(path, record)).collect();
-        Ok(table.into_bytes())
-    })?;
+    if let (Some(path), Some(record)) = (shown.first(), records().next()) {
+        outputs.fill_table("csv", || Ok(table(path, record)))?;
+    }
     if let (Some(path), Some(record)) = (shown.first(), records().next()) {
         let title = format!("{}: {}", path.file_name().unwrap_or(path.as_os_str()).display(), record.title);
         outputs.fill("plot", || Ok(format.encode(&rocking_charts::record::record(record, &title)?)?))?;
@@ -188,18 +188,18 @@ fn short(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// Writes all samples of a record in full precision, below comments on its origin.
-fn table(file: &Path, record: &Record) -> String {
-    let Record { title, format, unit, processing, .. } = record;
+/// Returns all samples of a record, with lines on its origin.
+fn table(file: &Path, record: &Record) -> DescribedTable {
+    let Record { title, format, unit, processing, start_time, time_step, acceleration, .. } = record;
     let changes = if processing.is_none() { String::new() } else { format!("; {processing}") };
     let file = file.file_name().unwrap_or(file.as_os_str()).display();
     let [title, file] =
         [title.clone(), file.to_string()].map(|text| text.split_whitespace().collect::<Vec<_>>().join(" "));
-    let mut table = format!("# {title}\n# from {file}: {format}, in {unit}{changes}\nt [s],a [m/s2]\n");
-    for (number, acceleration) in record.acceleration.iter().enumerate() {
-        let time = record.start_time + number as f64 * record.time_step;
-        // Writing to a String never fails.
-        let _ = writeln!(table, "{time},{acceleration}");
-    }
-    table
+    let numbers: Vec<usize> = (0..acceleration.len()).collect();
+    let columns = [
+        TableColumn::real("t", "s", |number: &usize| start_time + *number as f64 * time_step),
+        TableColumn::real("a", "m/s2", |number: &usize| acceleration[*number]),
+    ];
+    let study = vec![title, format!("from {file}: {format}, in {unit}{changes}")];
+    DescribedTable { study, table: Table::of(&columns, &numbers) }
 }

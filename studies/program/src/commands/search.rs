@@ -19,6 +19,7 @@ use crate::output::report::ReportOptions;
 use crate::output::summary::{Object, Summary};
 use rocking_block::excitation::{Pulse, PulseShape};
 use rocking_block::simulation::{OnSeparation, Settings};
+use rocking_studies::output::table::{Table, TableColumn};
 use rocking_studies::run::Run;
 use rocking_studies::run::outcome::End;
 use rocking_studies::search::{self, OutcomeMap, Scan, Shaken, Threshold};
@@ -279,11 +280,13 @@ impl SearchOptions {
         bar.clear();
         let found = found?;
         let stretches = found.stretches();
-        outputs.fill("csv", || {
-            let mut table = "from,to,outcome\n".to_string();
-            stretches.iter().for_each(|(from, to, end)| table.push_str(&format!("{from},{to},{end}\n")));
-            Ok(table.into_bytes())
-        })?;
+        type Stretch = (f64, f64, End);
+        let columns = [
+            TableColumn::real("from", "1", |(from, ..): &Stretch| *from).with_unit(None),
+            TableColumn::real("to", "1", |(_, to, _): &Stretch| *to).with_unit(None),
+            TableColumn::text("outcome", |(.., end): &Stretch| end.word().into()),
+        ];
+        outputs.fill_table("csv", || Ok(Table::of(&columns, &stretches)))?;
         let written = outputs.write()?;
         let threshold = threshold(&found);
         let shown = |value: f64| rounded(value, scan.resolution);

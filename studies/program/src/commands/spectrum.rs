@@ -21,7 +21,7 @@ use rocking_block::excitation::PulseShape;
 use rocking_block::excitation::records::Ground;
 use rocking_charts::spectrum::{Abscissa, Curves};
 use rocking_studies::doubts;
-use rocking_studies::output::csv::with_headings;
+use rocking_studies::output::format::DescribedTable;
 use rocking_studies::output::resumable::TableWriteError;
 use rocking_studies::output::runner::Study;
 use rocking_studies::output::table::Table;
@@ -140,9 +140,8 @@ pub fn run(options: &SpectrumCommand, explicit: &ExplicitOptions) -> anyhow::Res
         }?;
         Ok(format.encode(&svg)?)
     })?;
-    made.fill("statistics", || {
-        let study = spectrum.header().study_text();
-        Ok((study + &with_headings(&statistics.table(&spectrum))?).into_bytes())
+    made.fill_table("statistics", || {
+        Ok(DescribedTable { study: spectrum.header().study, table: statistics.table(&spectrum) })
     })?;
     made.write()?;
     let mut items = Summary::default();

@@ -4,13 +4,16 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser};
 
+use crate::options::choices;
 use crate::options::input;
 use crate::options::run::{StudyOptions, warn};
 use crate::output::files::{NamedFile, check_distinct};
-use crate::output::formats::{check_table, knows_parquet};
+use crate::output::formats::check_table;
 use crate::output::summary::Summary;
+use anyhow::Context;
 use rocking_block::simulation::OnSeparation;
 use rocking_block::unit::variables::Variable;
+use rocking_studies::output::format::TableFormat;
 use rocking_studies::output::parts::{self, PartNumber, PartNumbers};
 use rocking_studies::output::resumable::{Failures, TableWriteError};
 use rocking_studies::output::runner::{Follower, Study, StudySummary};
@@ -44,8 +47,8 @@ struct PartOptions {
     #[arg(long, value_name = "FOLDER", requires = "part")]
     out: Option<PathBuf>,
     /// Format of the parts; by default parquet if the program knows it, else csv
-    #[arg(long, value_name = "FORMAT", requires = "part", value_parser = ["csv", "parquet"])]
-    part_format: Option<String>,
+    #[arg(long, value_name = "FORMAT", requires = "part", value_parser = choices::table_format())]
+    part_format: Option<TableFormat>,
     /// Print the number of rows and the expected CPU time and size, from a sample of the rows, and make no table
     #[arg(long)]
     dry_run: bool,
@@ -103,7 +106,7 @@ pub fn model(sweep: &Sweep) -> Summary {
 struct Parts<'a> {
     numbers: &'a PartNumbers,
     folder: &'a Path,
-    format: String,
+    format: TableFormat,
 }
 
 impl PartOptions {
@@ -112,17 +115,16 @@ impl PartOptions {
         let PartOptions { part: Some(numbers), out: Some(folder), part_format, .. } = self else { return Ok(None) };
         let names = folder.read_dir().into_iter().flatten().flatten();
         let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
-        let format = parts::format_in(names, numbers.count(), part_format.as_deref());
+        let format = parts::format_in(names, numbers.count(), *part_format);
         let format = format.map_err(|reason| anyhow::anyhow!("{}: {reason}", folder.display()))?;
-        let parts = Parts { numbers, folder, format: format.unwrap_or(parts::FORMATS[0].into()) };
-        knows_parquet(&parts.file(numbers.parts()[0]))?;
-        Ok(Some(parts))
+        format.check().with_context(|| folder.display().to_string())?;
+        Ok(Some(Parts { numbers, folder, format }))
     }
 }
 
 impl Parts<'_> {
     fn file(&self, part: PartNumber) -> PathBuf {
-        self.folder.join(part.file_name(&self.format))
+        self.folder.join(part.file_name(self.format))
     }
 
     /// Makes the parts, and reports on all of them.
@@ -135,7 +137,7 @@ impl Parts<'_> {
         let mut take = |rows: Table| take_scales(&mut scales, &rows);
         for part in numbers {
             let follow: Option<Follower> = if is_hunt { Some(&mut take) } else { None };
-            let (_, made) = study.run_part(sweep, *part, self.folder, &self.format, follow)?;
+            let (_, made) = study.run_part(sweep, *part, self.folder, self.format, follow)?;
             before += usize::from(made.resumed > 0);
             whole.rows += made.rows;
             whole.resumed += made.resumed;

@@ -5,6 +5,7 @@ use clap::builder::TypedValueParser;
 use rocking_charts::picture::PictureFormat;
 use rocking_charts::spectrum::Abscissa;
 use rocking_studies::fragility::{Link, LossProgram};
+use rocking_studies::output::format::TableFormat;
 use rocking_studies::spec::choice;
 
 /// Program of loss assessment.
@@ -18,6 +19,11 @@ pub fn loss_program() -> impl TypedValueParser<Value = LossProgram> {
 /// Format of a picture.
 pub fn picture_format() -> impl TypedValueParser<Value = PictureFormat> {
     choice(&[(PictureFormat::Png, "Pixels"), (PictureFormat::Svg, "Lines and text that scale")])
+}
+
+/// Format of a table.
+pub fn table_format() -> impl TypedValueParser<Value = TableFormat> {
+    choice(&[(TableFormat::Csv, "Comma-separated values"), (TableFormat::Parquet, "Typed columns, compressed")])
 }
 
 /// Distribution of a fragility curve.

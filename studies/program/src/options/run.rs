@@ -12,7 +12,7 @@ use clap::Args;
 use crate::options::checks::check;
 use crate::options::explicit::ExplicitOptions;
 use crate::output::files::StreamedFile;
-use crate::output::formats::knows_parquet;
+use crate::output::formats::table_format;
 use crate::output::interrupt::print_continuation;
 use crate::output::progress::Progress;
 use crate::output::report::{ReportOptions, WrittenFiles, is_standard_output};
@@ -20,8 +20,8 @@ use crate::output::summary::Summary;
 use rocking_block::numerics::wide::VectorWidth;
 use rocking_charts::numerals::significant;
 use rocking_studies::output::forecast::Forecast;
+use rocking_studies::output::format::TableFormat;
 use rocking_studies::output::parts::{self, Part, PartNumber, PartState};
-use rocking_studies::output::reading::is_parquet;
 use rocking_studies::output::resumable::{Failures, ResumableTable, TableOptions};
 use rocking_studies::output::runner::{self, Follower, Study, StudySummary};
 
@@ -134,7 +134,7 @@ impl StudyOptions {
     /// reader of a pipe has closed it.
     pub fn run(&self, study: &impl Study, follow: Option<Follower>, needs_all: bool) -> anyhow::Result<StudySummary> {
         let csv = self.csv();
-        if is_parquet(csv) {
+        if TableFormat::of(csv) == TableFormat::Parquet {
             let name = csv.display();
             anyhow::ensure!(
                 !self.resume,
@@ -152,15 +152,11 @@ impl StudyOptions {
         self.fill(study, &mut table, follow)
     }
 
-    /// Computes the rows of a study for a file that is complete or absent. It is CSV or Parquet by its name.
+    /// Computes the rows of a study for a file that is complete or absent. Its name tells the format.
     fn run_whole(&self, path: &Path, study: &impl Study, follow: Option<Follower>) -> anyhow::Result<StudySummary> {
         let file = StreamedFile::new(path)?;
         let (name, header) = (path.display().to_string(), study.header());
-        let mut table = match knows_parquet(path)? {
-            #[cfg(feature = "parquet")]
-            true => ResumableTable::parquet(&name, &header, file.writer()?)?,
-            _ => ResumableTable::whole(&name, &header, file.writer()?)?,
-        };
+        let mut table = ResumableTable::whole(&name, &header, file.writer()?, table_format(path)?)?;
         let summary = self.fill(study, &mut table, follow)?;
         table.finish()?;
         file.complete()?;
@@ -194,11 +190,11 @@ impl StudyOptions {
         study: &S,
         number: PartNumber,
         folder: &Path,
-        extension: &str,
+        format: TableFormat,
         follow: Option<Follower>,
     ) -> anyhow::Result<(PathBuf, StudySummary)> {
         fs::create_dir_all(folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
-        let path = folder.join(number.file_name(extension));
+        let path = folder.join(number.file_name(format));
         let part = Part::new(study, number);
         let rows = part.rows();
         let state = if self.force { PartState::Broken } else { parts::state(&path, &part.header())? };

@@ -7,10 +7,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use tempfile::{NamedTempFile, TempPath};
 
-use crate::output::formats::encoded;
 use crate::output::report::WrittenFiles;
-use rocking_studies::output::output_target::{Identity, OutputTarget, folder};
-use rocking_studies::output::reading::is_parquet;
+use rocking_studies::output::format::{DescribedTable, TableFormat};
+use rocking_studies::output::output_target::{Identity, OutputTarget, STANDARD, folder};
 
 /// A file, and the option that names it in messages.
 #[derive(Clone)]
@@ -94,6 +93,23 @@ impl<'a> Outputs<'a> {
         Ok(())
     }
 
+    /// Makes the table of the first output of this option that has none, if the user set the option. Its format is that of its name.
+    pub fn fill_table<T: Into<DescribedTable>>(
+        &mut self,
+        option: &str,
+        table: impl FnOnce() -> anyhow::Result<T>,
+    ) -> anyhow::Result<()> {
+        let path =
+            self.0.iter().find(|output| output.option == option && output.content.is_none()).map(|output| output.path);
+        self.fill(option, || {
+            let path = path.unwrap_or(Path::new(STANDARD));
+            table()?
+                .into()
+                .encode(TableFormat::of(path))
+                .with_context(|| format!("{}: cannot be written", path.display()))
+        })
+    }
+
     /// Writes all outputs, as [`Pending::write`] does.
     pub fn write(self) -> anyhow::Result<WrittenFiles<'a>> {
         let written = WrittenFiles::new(self.0.iter().map(|output| (output.option, Some(output.path))));
@@ -110,7 +126,6 @@ impl<'a> Outputs<'a> {
 /// It is known to be writable. An existing file stays untouched until the new content is complete.
 pub struct Pending {
     name: String,
-    is_parquet: bool,
     sink: Sink,
 }
 
@@ -136,15 +151,14 @@ impl Pending {
                 Sink::File(path)
             }
         };
-        Ok(Pending { name, is_parquet: is_parquet(path), sink })
+        Ok(Pending { name, sink })
     }
 
-    /// Writes all outputs, tables in the formats of their names. No file is replaced before the contents of all files are on disk.
+    /// Writes all outputs. No file is replaced before the contents of all files are on disk.
     pub fn write(outputs: Vec<(Pending, Vec<u8>)>) -> anyhow::Result<()> {
         let refused = |name: String| move || format!("{name}: cannot be written");
         let (mut staged, mut streams) = (Vec::new(), Vec::new());
-        for (Pending { name, is_parquet, sink }, content) in outputs {
-            let content = encoded(is_parquet, content).with_context(refused(name.clone()))?;
+        for (Pending { name, sink }, content) in outputs {
             match sink {
                 Sink::File(path) => {
                     let file = Staged::with(&path, &content).with_context(refused(name.clone()))?;

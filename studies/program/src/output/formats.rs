@@ -2,14 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::Context;
 use clap::Args;
 
 use crate::options::choices;
 use rocking_charts::picture::{PictureError, PictureFormat};
 use rocking_charts::titled;
-use rocking_studies::output::reading::is_parquet;
-#[cfg(feature = "parquet")]
-use rocking_studies::output::{parquet, reading::TableReader};
+use rocking_studies::output::format::TableFormat;
 use rocking_studies::spec::words::Words;
 
 /// Extensions of other formats than CSV, with advice for a table in one.
@@ -32,30 +31,11 @@ const NOT_CSV: [(&[&str], &str); 7] = [
 /// Extensions of text files that programs do not open as a table.
 const TEXT: [&str; 5] = ["txt", "text", "dat", "out", "log"];
 
-/// Whether a table is Parquet by its name. Refuses one if this program does not know the format.
-pub fn knows_parquet(path: &Path) -> anyhow::Result<bool> {
-    let is_parquet = is_parquet(path);
-    anyhow::ensure!(
-        !is_parquet || cfg!(feature = "parquet"),
-        "{}: this program is built without Parquet; expected a name in .csv, or a program built with --features rocking/parquet",
-        path.display()
-    );
-    Ok(is_parquet)
-}
-
-/// Converts a table from CSV to the format of its name.
-pub fn encoded(is_parquet: bool, csv: Vec<u8>) -> anyhow::Result<Vec<u8>> {
-    #[cfg(feature = "parquet")]
-    if is_parquet && !csv.starts_with(parquet::MAGIC) {
-        let comments = csv.split(|byte| *byte == b'\n').map_while(|line| line.strip_prefix(b"# "));
-        let study: Vec<String> = comments.map(|line| String::from_utf8_lossy(line).into()).collect();
-        let mut reader = TableReader::new(&|_| true);
-        reader.read_csv("the table", &csv[..])?;
-        let table = reader.table();
-        return Ok(parquet::file(&study, &table.headings(), table)?);
-    }
-    debug_assert!(!is_parquet || cfg!(feature = "parquet"), "refused by check_table");
-    Ok(csv)
+/// Returns the format of a table by its name. Refuses one that this program is built without.
+pub fn table_format(path: &Path) -> anyhow::Result<TableFormat> {
+    let format = TableFormat::of(path);
+    format.check().with_context(|| path.display().to_string())?;
+    Ok(format)
 }
 
 /// Refuses a table whose extension names another format, and warns of one that names none. Other extensions are accepted.
@@ -64,7 +44,7 @@ pub fn check_table(path: &Path) -> anyhow::Result<()> {
     if TEXT.contains(&extension.as_str()) {
         eprintln!("rocking: warning: {}: the table is written as CSV; expected a name in .csv", path.display());
     }
-    if knows_parquet(path)? {
+    if table_format(path)? != TableFormat::Csv {
         return Ok(());
     }
     match NOT_CSV.iter().find(|(extensions, _)| extensions.contains(&extension.as_str())) {

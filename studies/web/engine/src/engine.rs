@@ -9,6 +9,7 @@ use rocking_block::system::events::{Event, EventKind};
 use rocking_charts::numerals::significant;
 use rocking_studies::foundations;
 use rocking_studies::output::csv::lines;
+use rocking_studies::output::format::{DescribedTable, TableFormat};
 use rocking_studies::output::runner::Study as Rows;
 use rocking_studies::run::outcome::Holds;
 use rocking_studies::run::{History, Row, Run, table};
@@ -196,8 +197,9 @@ impl Engine {
         let history = run.history(|_| ()).map_err(|error| vec![FieldError::new("tolerance", error.to_string())])?;
         let forces = table::force_columns(&run.block);
         let mut of_block = table::columns(&run.block);
-        of_block.retain(|column| column.name == "slip" || forces.contains(&column.name));
-        let names = SERIES.iter().map(|(name, _)| *name).chain(of_block.iter().map(|column| column.name.as_str()));
+        of_block.retain(|column| column.heading().name == "slip" || forces.contains(&column.heading().name));
+        let names =
+            SERIES.iter().map(|(name, _)| *name).chain(of_block.iter().map(|column| column.heading().name.as_str()));
         let json = json!({
             "number": number,
             "rows": history.rows.len(),
@@ -221,7 +223,7 @@ impl Engine {
             history.rows.iter().for_each(|row| bytes.extend_from_slice(&value(row).to_le_bytes()));
         };
         SERIES.iter().for_each(|(_, value)| push(value));
-        of_block.iter().for_each(|column| push(&|row| column.value(row)));
+        of_block.iter().for_each(|column| push(&|row| column.number(row)));
         let made = Made::Plane(Box::new((inputs.run, history)));
         self.last = Some(LastRun { number, made, description: inputs.description });
         Ok((json, bytes))
@@ -233,7 +235,7 @@ impl Engine {
             inputs.run.history(|_| ()).map_err(|error| vec![FieldError::new("tolerance", error.to_string())])?;
         let json = space::reply(number, &inputs, &history);
         let columns = space::shown(&inputs.run);
-        let values = columns.iter().flat_map(|column| history.rows.iter().map(|row| column.value(row)));
+        let values = columns.iter().flat_map(|column| history.rows.iter().map(|row| column.number(row)));
         let bytes = values.flat_map(f64::to_le_bytes).collect();
         let made = Made::Space(Box::new((inputs.run, history)));
         self.last = Some(LastRun { number, made, description: inputs.description });
@@ -258,11 +260,12 @@ impl Engine {
             Made::Space(made) => made.1.rows.len(),
         };
         let to = to.unwrap_or(count).min(count);
-        let rows = from.min(to)..to;
-        let bytes = match made {
-            Made::Plane(made) => table::csv(&made.0.block, &made.1, &[], rows),
-            Made::Space(made) => rocking_studies::space::table::csv(&made.0.parameters, &made.1, rows),
+        let (rows, is_first) = (from.min(to)..to, from == 0);
+        let found: DescribedTable = match made {
+            Made::Plane(made) => table::table(&made.0.block, &made.1, &[], rows).into(),
+            Made::Space(made) => rocking_studies::space::table::table(&made.0.parameters, &made.1, rows),
         };
+        let bytes = if is_first { found.encode(TableFormat::Csv) } else { lines(&found.table).map(String::into_bytes) };
         Ok((json!({ "rows": count }), bytes.map_err(refused)?))
     }
 

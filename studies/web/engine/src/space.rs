@@ -6,10 +6,11 @@ use rocking_block::space::{Base, SpaceBody, SpaceError, SpaceGround, SpaceInitia
 use rocking_charts::numerals::significant;
 use rocking_studies::doubts;
 use rocking_studies::hull::hull;
+use rocking_studies::output::table::TableColumn;
 use rocking_studies::run::outcome::End;
 use rocking_studies::space::ground::{ComponentNames, of_components};
-use rocking_studies::space::table::{ColumnInSpace, columns};
-use rocking_studies::space::{HistoryInSpace, RunInSpace};
+use rocking_studies::space::table::columns;
+use rocking_studies::space::{HistoryInSpace, RowInSpace, RunInSpace};
 use rocking_studies::spec::command::CommandLine;
 use rocking_studies::spec::words::Words;
 use rocking_studies::spec::{BlockSpec, SpaceSpec, SpecError, limits};
@@ -124,9 +125,12 @@ fn fault(error: &SpecError, shape: &str) -> FieldError {
 const SHOWN: [&str; 9] = ["t", "tilt", "azimuth", "twist", "u", "w", "v", "a_gx", "a_gy"];
 
 /// Returns the columns of the table that the page needs.
-pub fn shown(run: &RunInSpace) -> Vec<ColumnInSpace> {
-    let all = columns(&run.parameters);
-    SHOWN.iter().filter_map(|name| all.iter().find(|column| column.name == *name).cloned()).collect()
+pub fn shown(run: &RunInSpace) -> Vec<TableColumn<'static, RowInSpace>> {
+    let mut all = columns(&run.parameters);
+    let place = |name: &&str| SHOWN.iter().position(|shown| shown == name);
+    all.retain(|column| place(&column.heading().name.as_str()).is_some());
+    all.sort_by_key(|column| place(&column.heading().name.as_str()));
+    all
 }
 
 /// Returns the reply to a run, without the numbers of its columns.
@@ -139,8 +143,8 @@ pub fn reply(number: u64, inputs: &InputsInSpace, history: &HistoryInSpace) -> V
         "number": number,
         "in_space": true,
         "rows": history.rows.len(),
-        "series": shown(run).iter().map(|column| column.name.clone()).collect::<Vec<_>>(),
-        "units": shown(run).iter().map(|column| column.unit).collect::<Vec<_>>(),
+        "series": shown(run).iter().map(|column| column.heading().name.clone()).collect::<Vec<_>>(),
+        "units": shown(run).iter().map(|column| column.heading().unit.clone()).collect::<Vec<_>>(),
         "outcome": history.end.word(),
         "sentence": sentence(run, history),
         "numbers": numbers(run, history),

@@ -146,7 +146,7 @@ pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<
         let svg = rocking_charts::rate::rate(&report.lines(), found, &heading, &fragility.ordinate, band)?;
         Ok(format.encode(&svg)?)
     })?;
-    outputs.fill("csv", || Ok(report.table().into_bytes()))?;
+    outputs.fill_table("csv", || Ok(report.table()))?;
     let written = outputs.write()?;
     let of_curve = fragility.assessment.iter().flat_map(|assessment| assessment.warnings(&heading));
     let warnings: Vec<String> = of_curve.chain(report.warnings()).collect();

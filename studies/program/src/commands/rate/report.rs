@@ -5,6 +5,8 @@ use crate::output::summary::{Object, Summary};
 use rocking_charts::numerals::{self, significant};
 use rocking_charts::rate::{per_year, per_year_to};
 use rocking_studies::fragility::{Assessment, Independence, Interval, split_heading};
+use rocking_studies::output::format::DescribedTable;
+use rocking_studies::output::table::{Table, TableColumn};
 use rocking_studies::risk::{AnnualRate, RatePart, probability_in};
 
 /// Share of the rate from extrapolated curves that draws a warning.
@@ -187,21 +189,17 @@ impl RateReport<'_> {
         })
     }
 
-    /// Writes the deaggregation as CSV, in full precision.
-    pub fn table(&self) -> String {
+    /// Returns the table of the deaggregation, with the lines of the summary.
+    pub fn table(&self) -> DescribedTable {
         let unit = split_heading(self.im).1.unwrap_or("1");
-        let mut table = format!(
-            "# rocking-block {} rate\n# {}\n",
-            env!("CARGO_PKG_VERSION"),
-            self.summary().text.trim_end().replace('\n', "\n# ")
-        );
-        table += &PART.map(|(name, known)| format!("{name} [{}]", known.unwrap_or(unit))).join(",");
-        for part in self.parts() {
-            table.push('\n');
-            table += &part.map(|number| number.map_or(String::new(), |number| format!("{number:?}"))).join(",");
-        }
-        table.push('\n');
-        table
+        let column = |(number, (name, known)): (usize, (&str, Option<&str>))| {
+            TableColumn::optional(name, known.unwrap_or(unit), move |part: &[Option<f64>; 6]| part[number])
+        };
+        let columns: Vec<_> = PART.into_iter().enumerate().map(column).collect();
+        let head = format!("rocking-block {} rate", env!("CARGO_PKG_VERSION"));
+        let summary = self.summary().text;
+        let study = std::iter::once(head).chain(summary.trim_end().lines().map(String::from)).collect();
+        DescribedTable { study, table: Table::of(&columns, &self.parts().collect::<Vec<_>>()) }
     }
 }
 

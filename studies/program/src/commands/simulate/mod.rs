@@ -129,10 +129,8 @@ pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Res
     let (history, derivatives) = options.history(&run, progress)?;
     bar.clear();
 
-    outputs.fill("csv", || {
-        let bytes = table::csv(&run.block, &history, &derivatives.parameters, 0..history.rows.len());
-        bytes.context("the table cannot be written")
-    })?;
+    outputs
+        .fill_table("csv", || Ok(table::table(&run.block, &history, &derivatives.parameters, 0..history.rows.len())))?;
     outputs
         .fill("plot", || Ok(format.encode(&rocking_charts::history::history(&run.block, &history, &excitation)?)?))?;
     if let Some(format) = loops_format {

@@ -1,6 +1,5 @@
 //! `rocking simulate` of a block in space: options → a run → a table, a picture and a summary.
 
-use anyhow::Context;
 use clap::Args;
 
 use super::{SimulateCommand, summary};
@@ -92,9 +91,7 @@ pub fn run(options: &SimulateCommand, explicit: &ExplicitOptions) -> anyhow::Res
     let history = run.history(|part| bar.show((part * PARTS as f64) as u64))?;
     bar.clear();
 
-    outputs.fill("csv", || {
-        table::csv(&run.parameters, &history, 0..history.rows.len()).context("the table cannot be written")
-    })?;
+    outputs.fill_table("csv", || Ok(table::table(&run.parameters, &history, 0..history.rows.len())))?;
     outputs.fill("plot", || Ok(format.encode(&picture(&run, &history, &excitation)?)?))?;
     if let Some(format) = plan_format {
         outputs.fill("plot-plan", || Ok(format.encode(&plan(&run, &history, &excitation)?)?))?;

@@ -57,7 +57,7 @@ fn text_table_and_picture_have_the_rate_of_the_json() {
     let table = Table::read(&folder.path().join("parts.csv"));
     let sum: f64 = table.column("rate").iter().sum();
     assert!((sum / rate - 1.0).abs() < 1e-12, "{sum} {rate}");
-    assert_eq!((table.get(0, "from"), table.get(6, "to")), ("0.0", ""));
+    assert_eq!((table.get(0, "from"), table.get(6, "to")), ("0", ""));
     let printed = text(&output.stdout);
     assert!(printed.contains(&format!("rate          {rate:.2e} per year (95 % interval ")), "{printed}");
     let above = 100.0 * found["extrapolated"]["above_rows"].as_f64().unwrap();
