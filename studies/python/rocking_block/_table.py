@@ -24,10 +24,6 @@ if TYPE_CHECKING:
     import pyarrow
     from matplotlib.axes import Axes
 
-# Columns of whole numbers.
-_IN_SPACE = ("events.lift_offs", "events.landings", "events.slides", "events.sticks")
-_COUNTS = ("flights", "events.impacts", "events.liftoffs", *_IN_SPACE)
-
 
 class Table(dict[str, npt.NDArray[Any]]):
     """Named columns, each an array of shape (n,), with one row per run. The names are those of the program's tables.
@@ -316,7 +312,7 @@ def read_table(path: str | os.PathLike[str], *, partial: bool = False) -> Table:
 def _read_table(path: str | os.PathLike[str], partial: bool) -> Table:
     files, _ = _files(path, partial)
     if _is_of_engine(files[0]):
-        return of_columns(map(_of_program, _engine.read_table(path, partial)))
+        return of_columns(_engine.read_table(path, partial))
     tables: list[Table] = []
 
     def read(file: File) -> None:
@@ -440,14 +436,6 @@ def _is_of_engine(file: File) -> bool:
         return True
     with open(file.path, "rb") as content:
         return not file.path.lower().endswith(".parquet") and content.read(4) != b"PAR1"
-
-
-def _of_program(column: tuple[str, str | None, npt.NDArray[Any]]) -> tuple[str, str | None, npt.NDArray[Any]]:
-    """Returns a column of a table in CSV with the type of its values."""
-    name, unit, values = column
-    if unit is None and values.dtype.kind == "U" and values.size and set(np.unique(values)) <= {"true", "false"}:
-        return name, unit, values == "true"
-    return name, unit, values.astype(np.int64) if name in _COUNTS else values
 
 
 def _read_parquet_files(files: list[File], read: Callable[[File], None]) -> None:

@@ -389,6 +389,25 @@ def test_blocks_that_hang_at_rest_on_ties_count_by_their_balance():
     assert fit.limit == "balance" and fit.fraction_range == (0.5, 0.5)
 
 
+@pytest.mark.parametrize(
+    ("study", "parameters"),
+    [
+        ({}, {"alpha": [0.15, 0.2], "friction": 0.4}),
+        ({"ensemble": {"alpha": 0.05, "samples": 3, "limits": [0.5]}}, {"alpha": 0.15, "foundation": "rigid"}),
+        ({"azimuths": [0.0, 30.0]}, {"width": 0.4, "height": 1.6, "depth_ratio": [1, 2], "eta": 60, "xi_v": 0.2, "friction": 0.5}),
+    ],
+)
+def test_the_file_of_a_table_has_its_types(study, parameters, tmp_path):
+    """Counts are whole numbers, true and false booleans, whatever was written to CSV."""
+    pulse = {"pulse": {"shape": "one-sine", "amplitude": 4.0, "period": 0.9}}
+    given = {"study": {"design": "grid", **study}, "parameters": {**parameters, **pulse}}
+    made = rb.sweep(given, out=tmp_path / "runs.csv", progress=False)
+    kinds = {name: column.dtype.kind for name, column in made.items()}
+    read = rb.read_table(tmp_path / "runs.csv")
+    assert {name: column.dtype.kind for name, column in read.items()} == {"row": "i", **kinds}
+    assert "i" in kinds.values()
+
+
 def test_unknown_samples_of_ensembles_give_a_range():
     exceeded, unknown = np.array([0, 1, 3, 0, 4, 7]), np.array([0, 4, 0, 8, 2, 0])
     known = 8 - unknown

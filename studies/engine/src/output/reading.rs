@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::output::format::TableFormat;
 use crate::output::parquet::{GroupReader, Groups};
-use crate::output::table::{Heading, Kind, Series, Table, Values, split_heading};
+use crate::output::table::{Heading, Kind, Series, Table, Values, is_count, split_heading};
 use csv::{ReaderBuilder, StringRecord};
 
 /// The reason why a table cannot be read.
@@ -43,7 +43,8 @@ impl TableReadError {
     }
 }
 
-/// A table that is read row by row. Columns without words are of numbers, others, and the names of records, of words.
+/// A table that is read row by row. Columns without words are of numbers, those of counts of whole ones, those of true and false of such
+/// values, and others, and the names of records, of words.
 pub struct TableReader<'a> {
     /// Whether a column of this name is kept.
     is_wanted: &'a dyn Fn(&str) -> bool,
@@ -99,9 +100,9 @@ impl ColumnBuilder {
     /// Begins a column of CSV.
     fn of(heading: &str) -> ColumnBuilder {
         match split_heading(heading).0 {
-            ROW => ColumnBuilder::of_kind(Kind::Integer),
+            name if is_count(name) => ColumnBuilder::of_kind(Kind::Integer),
             // The name of a file may be a number.
-            "record" | "vertical" | "motion" => ColumnBuilder::of_kind(Kind::Text),
+            name if NAMES.contains(&name) => ColumnBuilder::of_kind(Kind::Text),
             _ => ColumnBuilder::of_kind(Kind::Real),
         }
     }
@@ -118,7 +119,7 @@ impl ColumnBuilder {
 
     fn push_text(&mut self, text: &str) {
         let is_number = match self {
-            ColumnBuilder::Numbers(series) => series.push_text(text),
+            ColumnBuilder::Numbers(series) => series.push_text(text) || series.push_as_real(text),
             ColumnBuilder::Words(_) => false,
         };
         if !is_number {
@@ -146,7 +147,15 @@ impl ColumnBuilder {
                 (heading.kind, values)
             }
             ColumnBuilder::Words(words) => {
-                (Kind::Choice(words.list()), Values::Choice(std::mem::take(&mut words.positions)))
+                let (list, positions) = (words.list(), std::mem::take(&mut words.positions));
+                let is_boolean = list.iter().all(|word| word == "true" || word == "false");
+                match is_boolean && !list.is_empty() && !NAMES.contains(&heading) {
+                    true => {
+                        let is_true = |position: u32| list[position as usize] == "true";
+                        (Kind::Boolean, Values::Boolean(positions.into_iter().map(is_true).collect()))
+                    }
+                    false => (Kind::Choice(list), Values::Choice(positions)),
+                }
             }
         };
         let (name, unit) = split_heading(heading);
@@ -178,6 +187,9 @@ enum Content<'c> {
     Csv { reader: Box<csv::Reader<Box<dyn Read + 'c>>>, header: StringRecord, is_over: bool },
     Parquet { groups: Groups, next: usize, group: Option<GroupReader> },
 }
+
+/// Columns with the names of files and motions.
+const NAMES: [&str; 4] = ["record", "record_y", "vertical", "motion"];
 
 /// Column of the numbers of rows.
 pub(super) const ROW: &str = "row";
@@ -417,6 +429,20 @@ mod tests {
         let table = read(&[TEXT, TEXT], &|name| name != "record").unwrap();
         assert_eq!((table.rows(), table.columns().len()), (6, 3));
         assert_eq!(table.column("ranges").unwrap().text(4), "0.1 to 0.2");
+    }
+
+    /// The same types as in the study that made the table. A count that is missing makes its column one of numbers.
+    #[test]
+    fn counts_and_true_and_false_have_their_types() {
+        let kinds = |text: &str| {
+            let table = read(&[text], &|_| true).unwrap();
+            table.columns().iter().map(|column| (column.heading.kind.clone(), column.text(1))).collect::<Vec<_>>()
+        };
+        let found = kinds("events.impacts [1],separated,record,flights [1]\n3,true,true,\n4,false,false,2\n");
+        let record = Kind::Choice(["true".into(), "false".into()].into());
+        let expected =
+            [(Kind::Integer, "4"), (Kind::Boolean, "false"), (record, "false"), (Kind::Real, "2")];
+        assert_eq!(found, expected.map(|(kind, text)| (kind, text.to_string())));
     }
 
     #[test]

@@ -49,6 +49,12 @@ impl Display for Heading {
     }
 }
 
+/// Whether a column of a study's table has whole numbers, by its name.
+pub fn is_count(name: &str) -> bool {
+    ["row", "flights", "ties.broken", "overturning_ranges"].contains(&name)
+        || ["events.", "ensemble.", "half_cycles>"].iter().any(|prefix| name.starts_with(prefix))
+}
+
 /// The number of a field. It is NaN for an empty field, and `None` for one that is no number.
 fn number(field: &str) -> Option<f64> {
     if field.is_empty() { Some(f64::NAN) } else { field.parse().ok().filter(|number: &f64| !number.is_nan()) }
@@ -258,6 +264,15 @@ impl Series {
             (Values::Text(values), Values::Text(more)) => values.extend(more),
             (values, more) => unreachable!("{more:?} after {values:?}"),
         }
+    }
+
+    /// Appends the number of this text to a column of whole numbers, which becomes one of numbers, or returns false if it is none.
+    #[must_use]
+    pub(super) fn push_as_real(&mut self, text: &str) -> bool {
+        let (Values::Integer(values), Some(value)) = (&self.values, number(text)) else { return false };
+        self.values = Values::Real(values.iter().map(|value| *value as f64).chain([value]).collect());
+        self.heading.kind = Kind::Real;
+        true
     }
 
     /// Appends the value of this text, or returns false if it has none.
