@@ -89,7 +89,7 @@ impl Assessment {
     /// Fits a curve to stored cases with these ground motions. `confidence` is above 0 and below 1.
     ///
     /// # Errors
-    /// Those of [`Data::new`], [`Data::fit`] and [`bootstrap`], and of temporary files.
+    /// Those of [`Data::new`], [`Data::fit`] and [`bootstrap`].
     pub fn of(
         store: CaseStore,
         motions: &Motions,
@@ -151,12 +151,12 @@ impl Assessment {
         uncertainty: Uncertainty,
     ) -> Result<Assessment, CurveFitError> {
         let (data, fit, width) = rows.curve(link)?;
-        let covariance = rows.covariance(&fit, Some(width))?;
+        let covariance = rows.covariance(&fit, Some(width));
         let bootstrap = uncertainty.bootstrap(|samples, seed| rows.bootstrap(link, samples, seed, width))?;
         let independence = rows.independence();
         let profile = LikelihoodProfile::clustered(&data, &fit, independence.deviate(confidence), covariance.clone());
         let [median, dispersion] = intervals(&profile, bootstrap.as_ref(), confidence);
-        let Quality { auc, brier, groups, marks } = rows.quality(&fit)?;
+        let Quality { auc, brier, groups, marks } = rows.quality(&fit);
         Ok(Assessment {
             rows: rows.count,
             without_measure: 0,
@@ -311,7 +311,7 @@ impl Surface {
     /// Fits a surface to stored cases with values of both measures.
     ///
     /// # Errors
-    /// Those of [`Data::new`] and [`Data::fit`], and of temporary files.
+    /// Those of [`Data::new`] and [`Data::fit`].
     pub fn of(store: CaseStore, motions: &Motions, link: Link) -> Result<Surface, CurveFitError> {
         match store.rows(motions)? {
             StoredRows::Few(rows, records) => {
@@ -324,8 +324,8 @@ impl Surface {
             }
             StoredRows::Many(rows) => {
                 let fit = rows.surface(link)?;
-                let standard_errors = standard_errors(rows.covariance(&fit, None)?.as_ref(), &fit);
-                let (auc, brier, marks) = rows.quality_of_surface(&fit)?;
+                let standard_errors = standard_errors(rows.covariance(&fit, None).as_ref(), &fit);
+                let (auc, brier, marks) = rows.quality_of_surface(&fit);
                 Ok(Surface { rows: rows.count, fit, standard_errors, auc, brier, marks })
             }
         }
@@ -335,7 +335,7 @@ impl Surface {
 /// The [`sufficiency`] of the first measure of stored cases with respect to the second one.
 ///
 /// # Errors
-/// Those of [`sufficiency`], and of temporary files.
+/// Those of [`sufficiency`].
 pub fn sufficiency_of(store: CaseStore, motions: &Motions, link: Link) -> Result<f64, CurveFitError> {
     match store.rows(motions)? {
         StoredRows::Few(rows, records) => {
@@ -345,7 +345,7 @@ pub fn sufficiency_of(store: CaseStore, motions: &Motions, link: Link) -> Result
         StoredRows::Many(rows) => {
             let (_, curve, _) = rows.curve(link)?;
             let surface = rows.surface(link)?;
-            let covariance = rows.covariance(&surface, None)?;
+            let covariance = rows.covariance(&surface, None);
             Ok(p_value(&curve, &surface, covariance.as_ref(), rows.independence()))
         }
     }

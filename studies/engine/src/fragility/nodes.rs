@@ -9,7 +9,7 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::fragility::data::Data;
-use crate::fragility::observation::{CurveFitError, Observation};
+use crate::fragility::observation::Observation;
 
 /// Nodes of a class in a cell.
 const NODES: usize = 8;
@@ -104,15 +104,12 @@ impl Reducer {
     }
 }
 
-/// The data of rows in few observations. `rows` passes on the measure, the fraction, the weight and the motion of each, in the order of the
+/// The data of rows in few observations. `rows` has the measure, the fraction, the weight and the motion of each, in the order of the
 /// measures; cells have this width in ln IM.
-pub(super) fn reduced(
-    width: f64,
-    rows: impl FnOnce(&mut dyn FnMut(f64, f64, f64, u32)) -> Result<(), CurveFitError>,
-) -> Result<Data, CurveFitError> {
+pub(super) fn reduced(width: f64, rows: impl Iterator<Item = (f64, f64, f64, u32)>) -> Data {
     let mut reducer = Reducer::new(width, false);
-    rows(&mut |measure, fraction, weight, motion| reducer.push(measure, fraction, weight, motion))?;
-    Ok(Data::checked(observations(reducer.finish())))
+    rows.for_each(|(measure, fraction, weight, motion)| reducer.push(measure, fraction, weight, motion));
+    Data::checked(observations(reducer.finish()))
 }
 
 /// The observations of nodes.

@@ -107,17 +107,17 @@ pub(super) trait Regression {
         coefficients: &DVector<f64>,
         term: impl Fn(f64, f64) -> Term + Sync,
         weight: impl Fn(&Term) -> f64 + Sync,
-    ) -> Result<Sums, CurveFitError>;
+    ) -> Sums;
 
     /// The sums of a step at these coefficients.
-    fn sums(&self, link: Link, coefficients: &DVector<f64>) -> Result<Sums, CurveFitError> {
+    fn sums(&self, link: Link, coefficients: &DVector<f64>) -> Sums {
         self.sums_of(coefficients, |predictor, y| link.term_of_step(predictor, y), |term| term.curvature)
     }
 
     /// The expected information at these coefficients.
-    fn information(&self, link: Link, coefficients: &DVector<f64>) -> Result<DMatrix<f64>, CurveFitError> {
-        let sums = self.sums_of(coefficients, |predictor, y| link.term(predictor, y), |term| term.information)?;
-        Ok(sums.squares(self.columns()))
+    fn information(&self, link: Link, coefficients: &DVector<f64>) -> DMatrix<f64> {
+        let sums = self.sums_of(coefficients, |predictor, y| link.term(predictor, y), |term| term.information);
+        sums.squares(self.columns())
     }
 }
 
@@ -131,7 +131,7 @@ impl Regression for Predictor<'_> {
         coefficients: &DVector<f64>,
         term: impl Fn(f64, f64) -> Term + Sync,
         weight: impl Fn(&Term) -> f64 + Sync,
-    ) -> Result<Sums, CurveFitError> {
+    ) -> Sums {
         /// Number of rows of a chunk. The round-off of one long sum over 20,000 sorted rows hides the last steps to the maximum.
         const CHUNK: usize = 256;
         let columns = self.x.ncols();
@@ -153,7 +153,7 @@ impl Regression for Predictor<'_> {
             0..=8 => (0..chunks).map(chunk).collect(),
             _ => in_parallel(chunks, chunk),
         };
-        Ok(total(&parts))
+        total(&parts)
     }
 }
 
@@ -168,7 +168,7 @@ impl Regression for SortedRows {
         coefficients: &DVector<f64>,
         term: impl Fn(f64, f64) -> Term + Sync,
         weight: impl Fn(&Term) -> f64 + Sync,
-    ) -> Result<Sums, CurveFitError> {
+    ) -> Sums {
         self.sum(|row| Sums::of_row(row, coefficients.as_slice(), &term, &weight))
     }
 }
@@ -258,20 +258,20 @@ pub(super) fn maximize(design: &impl Regression, link: Link, start: DVector<f64>
     const MAX_HALVINGS: u32 = 60;
     let columns = design.columns();
     let mut at = start;
-    let mut here = design.sums(link, &at)?;
+    let mut here = design.sums(link, &at);
     let mut length = f64::INFINITY;
     for _ in 0..MAX_ITERATIONS {
         let (score, best) = (here.score(columns), here.likelihood);
         let Some(step) = here.squares(columns).cholesky().map(|curvature| curvature.solve(&score)) else { break };
         // The next step would change the likelihood by about the square of this, which is below round-off.
         if step.dot(&score) <= 1e-24 * (1.0 + best.abs()) {
-            let Some(inverse) = design.information(link, &at)?.cholesky() else { break };
+            let Some(inverse) = design.information(link, &at).cholesky() else { break };
             return Ok(Maximum { coefficients: at, covariance: inverse.inverse(), log_likelihood: best });
         }
         let mut fraction = 1.0;
         for _ in 0..MAX_HALVINGS {
             let next = &at + fraction * &step;
-            let there = design.sums(link, &next)?;
+            let there = design.sums(link, &next);
             // Near the maximum, round-off may make the better step look worse.
             if there.likelihood >= best - 1e-13 * (1.0 + best.abs()) {
                 (at, here) = (next, there);

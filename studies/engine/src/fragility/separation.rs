@@ -21,10 +21,7 @@ pub(super) fn check(observations: &[Observation]) -> Result<(), CurveFitError> {
     }
     check_classes(&ends, rows)?;
     if count == 1 {
-        return check_overlap(&ends[0], |each| {
-            observations.iter().for_each(|row| each(row.measures[0], row.fraction, 1.0));
-            Ok(())
-        });
+        return check_overlap(&ends[0], observations.iter().map(|row| (row.measures[0], row.fraction, 1.0)));
     }
     let mut hulls = Hulls::default();
     hulls.take(observations.iter().map(|row| ([row.measures[0], row.measures[1]], row.fraction, 1)));
@@ -40,20 +37,17 @@ pub(super) fn check_classes(ends: &[Ends], rows: usize) -> Result<(), CurveFitEr
     alike.map_or(Ok(()), |[value, _]| Err(CurveFitError::alike(value, rows)))
 }
 
-/// Checks that no value of a single measure separates the classes. `rows` passes all rows on: measure, fraction of exceedances, and number
-/// of equal rows.
-pub(super) fn check_overlap(
-    ends: &Ends,
-    rows: impl FnOnce(&mut dyn FnMut(f64, f64, f64)) -> Result<(), CurveFitError>,
-) -> Result<(), CurveFitError> {
+/// Checks that no value of a single measure separates the classes. `rows` has the measure and the fraction of exceedances of all rows,
+/// and the number of equal ones.
+pub(super) fn check_overlap(ends: &Ends, rows: impl Iterator<Item = (f64, f64, f64)>) -> Result<(), CurveFitError> {
     let Some((below, above, falls)) = ends.separating() else { return Ok(()) };
     let (mut exceeded, mut at, mut has_more) = (0.0, 0, false);
-    rows(&mut |measure, fraction, count| {
+    for (measure, fraction, count) in rows {
         if measure == below {
             (exceeded, at) = (exceeded + count * fraction, at + count as usize);
         }
         has_more |= measure > below;
-    })?;
+    }
     let shared = (below == above).then_some((exceeded, at, has_more));
     Err(CurveFitError::separable(below, above, falls, shared))
 }

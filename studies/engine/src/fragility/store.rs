@@ -1,4 +1,4 @@
-//! Cases in batches → a list of rows, or sorted rows if they are many.
+//! Cases in batches → a list of rows, or sorted and counted rows if they are many.
 
 use crate::fragility::cases::{Case, Motions, RowCounts, RowOutcome};
 use crate::fragility::data::Data;
@@ -9,7 +9,7 @@ use crate::fragility::regression::CurveFit;
 use crate::fragility::table::{SweepTable, SweepTableError};
 use crate::run::limit::Limit;
 
-/// Most rows that are kept as a list. More are sorted on disk.
+/// Most rows that are kept as a list. More are sorted and counted.
 const MAX_LIST: usize = 1 << 17;
 
 /// The cases of a table over one or two measures.
@@ -66,7 +66,7 @@ impl CaseStore {
     /// Fits the curve of the first measure; `motions` are those of the cases.
     ///
     /// # Errors
-    /// Those of [`Data::new`] and [`Data::fit`], and of temporary files.
+    /// Those of [`Data::new`] and [`Data::fit`].
     pub fn fit(self, motions: &Motions, link: Link) -> Result<CurveFit, CurveFitError> {
         match self.rows(motions)? {
             StoredRows::Few(rows, _) => {
@@ -85,7 +85,7 @@ impl CaseStore {
         }
         let ranks = &motions.ranks();
         if let Some(many) = self.many {
-            return Ok(StoredRows::Many(Box::new(many.finish(ranks)?)));
+            return Ok(StoredRows::Many(Box::new(many.finish(ranks))));
         }
         self.list.sort_by_key(|(place, ..)| *place);
         let record = |(row, (_, case, _)): (usize, &(u64, Case, [f64; 2]))| match case.motion {
@@ -99,7 +99,7 @@ impl CaseStore {
     /// The values of the measure in increasing order. Each has its sum of fractions and its number of rows.
     ///
     /// # Errors
-    /// A row that a fit refuses, and those of temporary files.
+    /// A row that a fit refuses.
     pub fn levels(self, motions: &Motions) -> Result<Vec<(f64, f64, usize)>, CurveFitError> {
         match self.rows(motions)? {
             StoredRows::Few(mut rows, _) => {
@@ -109,7 +109,7 @@ impl CaseStore {
                     .map(|rows| (rows[0].1[0], rows.iter().map(|(case, _)| case.fraction).sum(), rows.len()))
                     .collect())
             }
-            StoredRows::Many(rows) => rows.levels(),
+            StoredRows::Many(rows) => Ok(rows.levels()),
         }
     }
 }

@@ -440,8 +440,7 @@ mod tests {
         };
         let found = kinds("events.impacts [1],separated,record,flights [1]\n3,true,true,\n4,false,false,2\n");
         let record = Kind::Choice(["true".into(), "false".into()].into());
-        let expected =
-            [(Kind::Integer, "4"), (Kind::Boolean, "false"), (record, "false"), (Kind::Real, "2")];
+        let expected = [(Kind::Integer, "4"), (Kind::Boolean, "false"), (record, "false"), (Kind::Real, "2")];
         assert_eq!(found, expected.map(|(kind, text)| (kind, text.to_string())));
     }
 

@@ -40,7 +40,7 @@ impl ManyRowsBuilder {
     /// Takes a row with its measures; the second is 1 for a curve.
     ///
     /// # Errors
-    /// Rows that cannot be kept on disk.
+    /// A row that a fit refuses.
     pub fn push(&mut self, case: &Case, measures: [f64; 2]) -> Result<(), CurveFitError> {
         check_row(self.count, &measures, case.fraction, 1.0)?;
         self.count += 1;
@@ -58,18 +58,16 @@ impl ManyRowsBuilder {
         }
         let motion = case.motion.map_or(OWN, |number| number as u32);
         // A fraction of −0 has other bits.
-        self.sorter.push(EqualRows { measures, fraction: case.fraction + 0.0, motion, count: 1 })
+        self.sorter.push(EqualRows { measures, fraction: case.fraction + 0.0, motion, count: 1 });
+        Ok(())
     }
 
     /// Ends with the rows in order. `ranks` has the place of each motion in the order of their first rows.
-    ///
-    /// # Errors
-    /// Rows that cannot be kept on disk.
-    pub fn finish(self, ranks: &[usize]) -> Result<ManyRows, CurveFitError> {
+    pub fn finish(self, ranks: &[usize]) -> ManyRows {
         let ManyRowsBuilder { sorter, count, ends, of_motions, own, scatter } = self;
         let mut motions: Vec<u32> = (0..of_motions.len() as u32).filter(|&of| of_motions[of as usize] > 0).collect();
         motions.sort_by_key(|&motion| ranks[motion as usize]);
-        Ok(ManyRows { sorted: sorter.finish()?, count, ends, motions, own, scatter })
+        ManyRows { sorted: sorter.finish(), count, ends, motions, own, scatter }
     }
 }
 
@@ -99,43 +97,38 @@ impl ManyRows {
         Independence::of_counts(self.motions.len() + self.own, self.count)
     }
 
-    /// Passes all rows on: the first measure, the fraction, the weight and the motion.
-    fn each(&self, each: &mut dyn FnMut(f64, f64, f64, u32)) -> Result<(), CurveFitError> {
-        self.sorted.batches(&mut |rows| {
-            rows.iter().for_each(|row| each(row.measures[0], row.fraction, f64::from(row.count), row.motion));
-        })
+    /// All rows: the first measure, the fraction, the weight and the motion.
+    fn rows(&self) -> impl Iterator<Item = (f64, f64, f64, u32)> {
+        self.sorted.batches().flatten().map(|row| (row.measures[0], row.fraction, f64::from(row.count), row.motion))
     }
 
     /// The values of the first measure, with the sum of fractions and number of rows.
-    ///
-    /// # Errors
-    /// Rows that cannot be read back.
-    pub fn levels(&self) -> Result<Vec<(f64, f64, usize)>, CurveFitError> {
+    pub fn levels(&self) -> Vec<(f64, f64, usize)> {
         let mut levels: Vec<(f64, f64, usize)> = Vec::new();
-        self.each(&mut |measure, fraction, weight, _| match levels.last_mut() {
-            Some((last, sum, count)) if *last == measure => {
-                (*sum, *count) = (*sum + weight * fraction, *count + weight as usize)
+        for (measure, fraction, weight, _) in self.rows() {
+            match levels.last_mut() {
+                Some((last, sum, count)) if *last == measure => {
+                    (*sum, *count) = (*sum + weight * fraction, *count + weight as usize)
+                }
+                _ => levels.push((measure, weight * fraction, weight as usize)),
             }
-            _ => levels.push((measure, weight * fraction, weight as usize)),
-        })?;
-        Ok(levels)
+        }
+        levels
     }
 
     /// Fits a curve over the first measure. Returns its data in few observations, with the width of their cells.
     ///
     /// # Errors
-    /// Those of [`Data::new`] and [`Data::fit`], and of temporary files.
+    /// Those of [`Data::new`] and [`Data::fit`].
     pub fn curve(&self, link: Link) -> Result<(Data, CurveFit, f64), CurveFitError> {
         check_classes(&self.ends[..1], self.count)?;
-        check_overlap(&self.ends[0], |each| {
-            self.each(&mut |measure, fraction, weight, _| each(measure, fraction, weight))
-        })?;
+        check_overlap(&self.ends[0], self.rows().map(|(measure, fraction, weight, _)| (measure, fraction, weight)))?;
         // Over the range of both classes, the predictor grows by less than 30 with this many rows.
         let [low, high] = self.ends[0].range();
         let overlap = Some(self.ends[0].overlap()).filter(|overlap| *overlap > 0.0);
         let mut width = overlap.unwrap_or_else(|| libm::log(high / low)) / 30.0;
         loop {
-            let data = reduced(width, |each| self.each(each))?;
+            let data = reduced(width, self.rows());
             let fit = data.fit(link)?;
             let growth = fit.coefficients[1].abs() * width;
             if growth <= MAX_GROWTH {
@@ -146,10 +139,7 @@ impl ManyRows {
     }
 
     /// The quality of a curve.
-    ///
-    /// # Errors
-    /// Rows that cannot be read back.
-    pub fn quality(&self, fit: &CurveFit) -> Result<Quality, CurveFitError> {
+    pub fn quality(&self, fit: &CurveFit) -> Quality {
         let is_clustered = matches!(self.independence(), Independence::Motions(_));
         // Rows are in the order of their scores.
         let sign = if fit.coefficients[1] < 0.0 { -1.0 } else { 1.0 };
@@ -157,7 +147,7 @@ impl ManyRows {
         let mut groups = Grouping::new(self.count, is_clustered);
         let (mut marks, mut passed, mut last) = (Vec::new(), 0, None);
         let apart = self.count.div_ceil(MAX_MARKS);
-        self.sorted.batches(&mut |rows| {
+        for rows in self.sorted.batches() {
             let probabilities = in_parallel(rows.len(), |number| fit.probability(&rows[number].measures[..1]));
             let mut sum = 0.0;
             for (row, probability) in rows.iter().zip(probabilities) {
@@ -173,42 +163,39 @@ impl ManyRows {
                 last = Some((measure, fraction));
             }
             squares.push(sum);
-        })?;
+        }
         marks.extend(last.map(|(measure, fraction)| Observation::with_probability(&[measure], fraction)));
         let area = area.finish();
-        Ok(Quality {
+        Quality {
             auc: if sign < 0.0 { 1.0 - area } else { area },
             brier: total(&squares) / self.count as f64,
             groups: groups.finish(),
             marks,
-        })
+        }
     }
 
     /// The covariance of the coefficients of a curve or surface, as in [`clusters::covariance`]. `width` is that of the cells of a curve.
     ///
     /// Surfaces have no full refits.
-    ///
-    /// # Errors
-    /// Rows that cannot be read back.
-    pub fn covariance(&self, fit: &CurveFit, width: Option<f64>) -> Result<Option<DMatrix<f64>>, CurveFitError> {
-        let Independence::Motions(count) = self.independence() else { return Ok(Some(fit.covariance.clone())) };
+    pub fn covariance(&self, fit: &CurveFit, width: Option<f64>) -> Option<DMatrix<f64>> {
+        let Independence::Motions(count) = self.independence() else { return Some(fit.covariance.clone()) };
         let (size, coefficients) = (fit.coefficients.len(), fit.coefficients.as_slice());
         let term = |predictor: f64, y: f64| fit.link.term(predictor, y);
         let sums_of = |row: &EqualRows| Sums::of_row(row, coefficients, term, |term| term.information);
         let last = self.motions.iter().max().map_or(0, |last| *last as usize + 1);
         let (mut of_motions, mut of_own) = (vec![Sums::default(); last], Sums::default());
-        self.sorted.batches(&mut |rows| {
+        for rows in self.sorted.batches() {
             let sums = in_parallel(rows.len(), |number| sums_of(&rows[number]));
             for (row, sums) in rows.iter().zip(sums) {
                 let sum = of_motions.get_mut(row.motion as usize).unwrap_or(&mut of_own);
                 *sum = *sum + sums;
             }
-        })?;
+        }
         let of_motion = |&motion: &u32| of_motions[motion as usize];
         let whole = self.motions.iter().map(of_motion).fold(of_own, |sum, other| sum + other).squares(size);
         let step = |sums: &Sums| clusters::step(&whole, &sums.score(size), &sums.squares(size));
         let nodes = match width {
-            Some(width) if count <= MAX_REFITS => self.nodes_by_motion(width)?,
+            Some(width) if count <= MAX_REFITS => self.nodes_by_motion(width),
             _ => None,
         };
         let refitted = |motion: u32| {
@@ -228,26 +215,24 @@ impl ManyRows {
                 );
             }
             squares
-        })?;
+        });
         let of_own = of_own.squares(size) * ((count - 1) as f64 / count as f64);
-        Ok(of_motions.map(|of_motions| of_motions + of_own).filter(|sum| sum.iter().all(|value| value.is_finite())))
+        of_motions.map(|of_motions| of_motions + of_own).filter(|sum| sum.iter().all(|value| value.is_finite()))
     }
 
     /// The rows of each motion in few nodes, unless these are many after all. They are in the order of their measures.
-    fn nodes_by_motion(&self, width: f64) -> Result<Option<Vec<Node>>, CurveFitError> {
+    fn nodes_by_motion(&self, width: f64) -> Option<Vec<Node>> {
         let mut reducer = Reducer::new(width, true);
-        self.each(&mut |measure, fraction, weight, motion| {
-            if reducer.count() <= MAX_NODES {
-                reducer.push(measure, fraction, weight, motion);
+        for (measure, fraction, weight, motion) in self.rows() {
+            reducer.push(measure, fraction, weight, motion);
+            if reducer.count() > MAX_NODES {
+                return None;
             }
-        })?;
-        if reducer.count() > MAX_NODES {
-            return Ok(None);
         }
         let mut nodes = reducer.finish();
         let measure = |node: &Node| node.observation.measures[0];
         nodes.sort_by(|a, b| measure(a).total_cmp(&measure(b)));
-        Ok(Some(nodes))
+        Some(nodes)
     }
 
     /// Fits curves to resampled records, or to rows where no record repeats. [`bootstrap`](crate::fragility::bootstrap()) draws rows in the
@@ -257,7 +242,7 @@ impl ManyRows {
     /// Fewer than two groups, and those of temporary files.
     pub fn bootstrap(&self, link: Link, samples: u32, seed: u64, width: f64) -> Result<Bootstrap, CurveFitError> {
         let is_clustered = self.independence() != Independence::Rows;
-        let nodes = if is_clustered && self.own == 0 { self.nodes_by_motion(width)? } else { None };
+        let nodes = if is_clustered && self.own == 0 { self.nodes_by_motion(width) } else { None };
         let groups = if is_clustered { self.motions.len() + self.own } else { self.count };
         if groups < 2 {
             return Err(CurveFitError::one_motion(groups));
@@ -284,25 +269,19 @@ impl ManyRows {
                     own.iter().map(|times| f64::from(*times)).sum()
                 }
             };
-            let sampled = reduced(width, |each| {
-                let mut each = |measure: f64, fraction: f64, weight: f64, motion: u32| {
-                    let weight = weighted(weight, motion);
-                    if weight > 0.0 {
-                        ends.take(measure, fraction);
-                        each(measure, fraction, weight, 0);
-                    }
-                };
-                match &nodes {
-                    Some(nodes) => {
-                        let row = |Node { observation, motion }: &Node| {
-                            each(observation.measures[0], observation.fraction, observation.weight, *motion);
-                        };
-                        nodes.iter().for_each(row);
-                        Ok(())
-                    }
-                    None => self.each(&mut each),
-                }
-            })?;
+            let of_node = |Node { observation, motion }: &Node| {
+                (observation.measures[0], observation.fraction, observation.weight, *motion)
+            };
+            let rows: Box<dyn Iterator<Item = (f64, f64, f64, u32)>> = match &nodes {
+                Some(nodes) => Box::new(nodes.iter().map(of_node)),
+                None => Box::new(self.rows()),
+            };
+            let drawn_rows = rows.filter_map(|(measure, fraction, weight, motion)| {
+                let weight = Some(weighted(weight, motion)).filter(|weight| *weight > 0.0)?;
+                ends.take(measure, fraction);
+                Some((measure, fraction, weight, 0))
+            });
+            let sampled = reduced(width, drawn_rows);
             let has_curve = ends.only_class().is_none() && ends.separating().is_none();
             match has_curve.then(|| sampled.fit(link)) {
                 Some(Ok(fit)) => found.fits.push(fit),
@@ -315,46 +294,39 @@ impl ManyRows {
     /// Fits a surface over both measures.
     ///
     /// # Errors
-    /// Those of [`Data::new`] and [`Data::fit`], and of temporary files.
+    /// Those of [`Data::new`] and [`Data::fit`].
     pub fn surface(&self, link: Link) -> Result<CurveFit, CurveFitError> {
         check_classes(&self.ends, self.count)?;
         let mut hulls = Hulls::default();
-        self.sorted.batches(&mut |rows| hulls.take(rows.iter().map(|row| (row.measures, row.fraction, row.count))))?;
+        for rows in self.sorted.batches() {
+            hulls.take(rows.iter().map(|row| (row.measures, row.fraction, row.count)));
+        }
         hulls.check()?;
-        let sum = self.sorted.sum(|row| f64::from(row.count) * row.fraction)?;
+        let sum = self.sorted.sum(|row| f64::from(row.count) * row.fraction);
         fit_of(&self.sorted, link, self.count as f64, sum / self.count as f64)
     }
 
     /// The area under the receiver operating characteristic, the Brier score, and some rows.
-    ///
-    /// # Errors
-    /// Rows that cannot be read back.
-    pub fn quality_of_surface(&self, fit: &CurveFit) -> Result<(f64, f64, Vec<Observation>), CurveFitError> {
+    pub fn quality_of_surface(&self, fit: &CurveFit) -> (f64, f64, Vec<Observation>) {
         let (mut marks, mut passed) = (Vec::new(), 0);
         let apart = self.count.div_ceil(MAX_MARKS);
-        let (mut scores, mut outcome) = (RowSorter::default(), Ok(()));
-        self.sorted.batches(&mut |rows| {
-            for row in rows {
-                let observation = || Observation::with_probability(&row.measures, row.fraction);
-                marks.extend((marks.len() * apart <= passed).then(observation));
-                passed += row.count as usize;
-                let score = EqualRows { measures: [fit.probability(&row.measures), 1.0], motion: OWN, ..*row };
-                outcome = std::mem::replace(&mut outcome, Ok(())).and_then(|()| scores.push(score));
-            }
-        })?;
-        outcome?;
-        let (scores, mut area) = (scores.finish()?, AreaUnderCurve::default());
-        scores.batches(&mut |rows| {
-            for EqualRows { measures: [score, _], fraction, count, .. } in rows {
-                let weight = f64::from(*count);
-                area.take(*score, [weight * (1.0 - fraction), weight * fraction]);
-            }
-        })?;
+        let mut scores = RowSorter::default();
+        for row in self.sorted.batches().flatten() {
+            let observation = || Observation::with_probability(&row.measures, row.fraction);
+            marks.extend((marks.len() * apart <= passed).then(observation));
+            passed += row.count as usize;
+            scores.push(EqualRows { measures: [fit.probability(&row.measures), 1.0], motion: OWN, ..*row });
+        }
+        let (scores, mut area) = (scores.finish(), AreaUnderCurve::default());
+        for EqualRows { measures: [score, _], fraction, count, .. } in scores.batches().flatten() {
+            let weight = f64::from(*count);
+            area.take(*score, [weight * (1.0 - fraction), weight * fraction]);
+        }
         let squares = scores.sum(|row| {
             let error = row.measures[0] - row.fraction;
             f64::from(row.count) * (error * error)
-        })?;
-        Ok((area.finish(), squares / self.count as f64, marks))
+        });
+        (area.finish(), squares / self.count as f64, marks)
     }
 }
 
