@@ -89,10 +89,7 @@ class Cases:
         if limit is None:
             limit = "balance" if "peak.theta/balance" in table else "overturned"
         elif isinstance(limit, str) and limit.lower() in ("overturned", "balance", "breaks"):
-            limit = limit.lower()
-            if limit == "balance" and TILT in table:
-                expected = 'a block in space may pass it over a corner; expected "overturned", or "tilt:1" for the nearest edge'
-                raise ValueError(f"the limit balance is for blocks in the plane: {expected}")
+            limit = "tilt/alpha>1" if limit.lower() == "balance" and TILT in table else limit.lower()
         elif named is not None:
             limit = f"{named[0]}>" + repr(named[1]).removesuffix(".0")
         elif isinstance(limit, str | bool) or not isinstance(limit, Real) or not 0.0 < limit < np.inf:
@@ -101,7 +98,7 @@ class Cases:
             in_space = '; of a block in space "tilt:0.5" over that of its balance, "twist:0.1" in rad, or "drift:0.1" in metres'
             raise ValueError(f"limit = {shown}; {expected}{in_space}")
         elif TILT in table:
-            limit = f"tilt/alpha_edge>{float(limit)!r}".removesuffix(".0")
+            limit = f"tilt/alpha>{float(limit)!r}".removesuffix(".0")
         self.limit = limit
         searched = [name for name in table if name.startswith("least.")]
         if searched:
@@ -204,14 +201,17 @@ def _digits(code: int, words: list[npt.NDArray[Any]]) -> list[int]:
     return list(divmod(code, len(words[1])))
 
 
-TILT = "peak.tilt/alpha_edge"
-"""The column of blocks in space with the tilt over that of the balance over the nearest edge."""
+TILT = "peak.tilt/alpha"
+"""The column of blocks in space with the tilt over that of the balance in the direction of the lean."""
+
+_OVER_NEAREST_EDGE = "peak.tilt/alpha_edge"
+"""Its predecessor, the tilt over that of the balance over the nearest edge."""
 
 _COLUMNS = {
     "slip": r"peak\.slip",
     "plastic": r"peak\..*\.plastic",
     "half_cycles": "half_cycles>.*",
-    "tilt/alpha_edge": re.escape(TILT),
+    "tilt/alpha": re.escape(TILT),
     "twist": r"peak\.twist",
     "drift": r"peak\.drift",
 }
@@ -222,7 +222,7 @@ def _named(limit: object) -> tuple[str, float] | None:
     """Returns the quantity and the number of a limit such as "slip:0.1"."""
     quantity, _, number = re.sub("[:>]", ">", limit).partition(">") if isinstance(limit, str) else ("", "", "")
     try:
-        found = ("tilt/alpha_edge" if quantity.lower() == "tilt" else quantity.lower(), float(number or np.nan))
+        found = ("tilt/alpha" if quantity.lower() == "tilt" else quantity.lower(), float(number or np.nan))
     except ValueError:
         return None
     return found if found[0] in _COLUMNS and 0.0 < found[1] < np.inf else None
@@ -265,7 +265,13 @@ def _column(table: Table, name: str) -> npt.NDArray[Any]:
 
 
 def rotation(table: Table) -> str:
-    """Returns the column of the peak rotation: |θ|/α, or in space the tilt over that of the balance."""
+    """Returns the column of the peak rotation: |θ|/α, or in space the tilt over that of the balance.
+
+    The table of a former release, whose `peak.tilt/alpha` has another meaning, is refused.
+    """
+    if _OVER_NEAREST_EDGE in table:
+        expected = f"expected only {TILT}, the tilt over that of the balance in the direction of the lean, as from the same study run again"
+        raise ValueError(f"found the column {_OVER_NEAREST_EDGE}, of a former release; {expected}")
     return TILT if TILT in table else "peak.theta/alpha"
 
 

@@ -38,8 +38,11 @@ impl SweepTableError {
 /// Column of blocks with ties: the peak rotation over the balance angle of its side.
 const OVER_BALANCE: &str = "peak.theta/balance";
 
-/// Column of blocks in space: the peak tilt over that of the balance over the nearest edge.
-const TILT: &str = "peak.tilt/alpha_edge";
+/// Column of blocks in space: the peak tilt over the critical one in the direction of the lean.
+const TILT: &str = "peak.tilt/alpha";
+
+/// Its predecessor: the peak tilt over that of the balance over the nearest edge.
+const OVER_NEAREST_EDGE: &str = "peak.tilt/alpha_edge";
 
 /// The table of a sweep.
 #[derive(Clone, Debug)]
@@ -103,8 +106,18 @@ impl SweepTable {
     }
 
     /// Evaluates some columns of a file with these headings.
-    pub fn of_columns(file: &str, table: Table, headings: Vec<String>) -> SweepTable {
-        SweepTable { file: file.into(), table, headings }
+    ///
+    /// # Errors
+    /// The table of a former release, whose `peak.tilt/alpha` has another meaning.
+    pub fn of_columns(file: &str, table: Table, headings: Vec<String>) -> Result<SweepTable, SweepTableError> {
+        let table = SweepTable { file: file.into(), table, headings };
+        if table.headings.iter().any(|heading| split_heading(heading).0 == OVER_NEAREST_EDGE) {
+            return Err(table.refused(format!(
+                "found the column {OVER_NEAREST_EDGE}, of a former release; expected only {TILT}, the tilt over that of the balance in \
+                 the direction of the lean, as from the same study run again"
+            )));
+        }
+        Ok(table)
     }
 
     /// Reads a table; `file` is its name in errors.
@@ -114,7 +127,8 @@ impl SweepTable {
     pub fn read(file: &str, content: impl Read) -> Result<SweepTable, SweepTableError> {
         let mut reader = TableReader::new(&|_| true);
         reader.read_csv(file, content)?;
-        Ok(SweepTable::new(file, reader.table()))
+        let SweepTable { file, table, headings } = SweepTable::new(file, reader.table());
+        SweepTable::of_columns(&file, table, headings)
     }
 
     /// The distinct words of a column in the order of the rows. `None` without such a column.
@@ -199,7 +213,7 @@ impl SweepTable {
         if self.is_in_space() { TILT } else { "peak.theta/alpha" }
     }
 
-    /// The limit for the blocks of the table: a rotation is a tilt in space.
+    /// The limit for the blocks of the table: a rotation or the balance is a tilt in space.
     pub fn limit_of(&self, limit: Limit) -> Limit {
         if self.is_in_space() { limit.in_space() } else { limit }
     }
@@ -213,11 +227,6 @@ impl SweepTable {
         // Without ties, even blocks have their peaks over the balance in `peak.theta/alpha`.
         let is_even = self.column(OVER_BALANCE).is_err() && self.column("eccentricity").is_err();
         match limit {
-            Limit::Balance if self.is_in_space() => {
-                let expected =
-                    "a block in space may pass it over a corner; expected overturned, or tilt:1 for the nearest edge";
-                Err(self.refused(format!("the limit balance is for blocks in the plane: {expected}")))
-            }
             Limit::Overturned => Ok(Vec::new()),
             Limit::Balance if !is_even => self.column(OVER_BALANCE).map(|column| vec![column]),
             Limit::Balance | Limit::Rotation(_) => self.column("peak.theta/alpha").map(|column| vec![column]),

@@ -162,11 +162,10 @@ pub fn reply(number: u64, inputs: &InputsInSpace, history: &HistoryInSpace) -> V
 
 /// Describes the outcome in a sentence for laymen.
 fn sentence(run: &RunInSpace, history: &HistoryInSpace) -> String {
-    let body = &run.setup.body;
     let HistoryInSpace { peaks, counts, end, ending, rows, .. } = history;
     let last = rows.last().map_or(0.0, |row| row.observation.time);
     let time = significant(ending.map_or(last, |(_, time)| time), 3);
-    let part = significant(100.0 * peaks.tilt() / body.edge_angle(), 3);
+    let part = significant(100.0 * peaks.tilt_over_critical, 3);
     let twist = significant(peaks.twist().to_degrees(), 2);
     let outcome = match end {
         End::Overturned => {
@@ -178,10 +177,12 @@ fn sentence(run: &RunInSpace, history: &HistoryInSpace) -> String {
             format!("The block leaves the ground at {time} s, where the run ends. Let it fly to see whether it lands.")
         }
         End::Completed if counts.lift_offs == 0 => {
-            format!("The block stays on all feet. It tilts by at most {part} % of its balance over the nearest edge.")
+            format!(
+                "The block stays on all feet. It tilts by at most {part} % of its balance in the direction in which it leans."
+            )
         }
         End::Completed => format!(
-            "The block rocks to {part} % of its balance over the nearest edge, twists by up to {twist}° and stays upright."
+            "The block rocks to {part} % of its balance in the direction in which it leans, twists by up to {twist}° and stays upright."
         ),
         End::Undecided => {
             format!("Still undecided after {time} s: the run is too short to tell whether the block overturns.")
@@ -198,9 +199,9 @@ fn sentence(run: &RunInSpace, history: &HistoryInSpace) -> String {
 fn numbers(run: &RunInSpace, history: &HistoryInSpace) -> [(&'static str, String); 8] {
     let (body, peaks, counts) = (&run.setup.body, &history.peaks, &history.counts);
     let millimetres = |length: f64| format!("{} mm", significant(1e3 * length, 4));
-    let slope = body.edge_distance() / body.center_height;
+    let slope = body.edge_distance / body.center_height;
     [
-        ("Greatest tilt over that of the balance", significant(peaks.tilt() / body.edge_angle(), 4)),
+        ("Greatest tilt over that of the balance", significant(peaks.tilt_over_critical, 4)),
         ("Greatest twist", format!("{}°", significant(peaks.twist().to_degrees(), 4))),
         ("Greatest uplift of a foot", millimetres(peaks.uplift)),
         ("Greatest reaction of a foot", format!("{} M g", significant(peaks.normal / (body.mass * body.gravity), 4))),
