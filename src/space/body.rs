@@ -5,7 +5,9 @@ use std::f64::consts::TAU;
 use nalgebra::{Cholesky, Const, Matrix3, Matrix3x6, Matrix6, Vector3};
 
 use crate::block::parameters::Valid;
-use crate::space::motion::Component;
+use crate::numerics::dual::Dual;
+use crate::space::base::{BaseEdge, edges};
+use crate::space::motion::{Component, Lean};
 use crate::space::parameters::{Base, BaseSize, FEET, FootPlace, SpaceError, SpaceParameters, SpaceSupports, check};
 
 /// A rigid body on n feet.
@@ -49,6 +51,14 @@ pub struct SpaceBody {
     pub xi_v: f64,
     /// Distance of the farthest foot from the centre of mass (m).
     pub reach: f64,
+    /// The edges of the base, the hull of the feet without gaps.
+    pub edges: Vec<BaseEdge>,
+    /// Distance from the centre of mass to the nearest edge, seen from above (m).
+    pub edge_distance: f64,
+    /// Tilt of balance over the nearest edge (rad).
+    pub edge_angle: f64,
+    /// Tangent of the greatest critical tilt, over a corner of the base.
+    pub corner_slope: f64,
     /// Square of the greatest circular frequency on all feet (rad²/s²).
     pub fastest_square: f64,
 }
@@ -97,8 +107,14 @@ impl SpaceBody {
         };
         let root = decompose(&inertia)?;
         let loads = static_loads(&feet, mass * gravity)?;
-        let half_width = half_width
-            .unwrap_or_else(|| nearest_edge(feet.iter().filter(|foot| foot.gap == 0.0).map(|foot| [foot.x, foot.y])));
+        let standing: Vec<[f64; 2]> = feet.iter().filter(|foot| foot.gap == 0.0).map(|foot| [foot.x, foot.y]).collect();
+        let edges = edges(&standing);
+        if edges.is_empty() {
+            return Err(SpaceError::OnLine { count: standing.len() });
+        }
+        let edge_distance = edges.iter().map(|edge| edge.distance).fold(f64::INFINITY, f64::min);
+        let corner = standing.iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
+        let half_width = half_width.unwrap_or(edge_distance);
         let r0 = (half_width * half_width + center_height * center_height).sqrt();
         let p = match parameters.base {
             Base::Rectangle { size: BaseSize::Slenderness { p, .. }, .. }
@@ -106,7 +122,7 @@ impl SpaceBody {
             Base::Rectangle { .. } | Base::Circle { .. } => (gamma / (1.0 + gamma) * gravity / r0).sqrt(),
             Base::List { .. } => (0.75 * gravity / r0).sqrt(),
         };
-        let standing = feet.iter().filter(|foot| foot.gap == 0.0).count() as f64;
+        let standing = standing.len() as f64;
         let (omega_v, xi_v, stiffness, damping) = supports(parameters, p, mass / standing)?;
         let horizontal_damping = 2.0 * parameters.xi_h.unwrap_or(xi_v) * kappa.sqrt() * omega_v * (mass / standing);
         let horizontal_stiffness = kappa * stiffness;
@@ -153,6 +169,10 @@ impl SpaceBody {
             omega_v,
             xi_v,
             reach,
+            edges,
+            edge_distance,
+            edge_angle: libm::atan2(edge_distance, center_height),
+            corner_slope: corner / center_height,
             fastest_square: 0.0,
         };
         body.find_frequencies(&root);
@@ -191,15 +211,11 @@ impl SpaceBody {
         self.stiffness / self.damping
     }
 
-    /// Returns the distance from the centre of mass to the nearest edge between feet without gaps, seen from above (m).
-    pub fn edge_distance(&self) -> f64 {
-        let standing = self.feet.iter().filter(|foot| foot.static_load > 0.0);
-        nearest_edge(standing.map(|foot| [foot.place.x, foot.place.y]))
-    }
-
-    /// Returns the tilt of balance over the nearest edge (rad).
-    pub fn edge_angle(&self) -> f64 {
-        libm::atan2(self.edge_distance(), self.center_height)
+    /// Returns the tilt over the critical one, at which the centre of mass stands over an edge of the base in the direction of the lean (1).
+    pub fn tilt_over_critical(&self, lean: &Lean<Dual>) -> Dual {
+        let first = &self.edges[0];
+        let ahead = self.edges.iter().fold(first, |ahead, edge| if edge.leads(ahead, lean) { edge } else { ahead });
+        ahead.tilt_over_critical(lean, self.center_height)
     }
 
     /// Returns M g R0 (J), the scale of energies.
@@ -369,22 +385,4 @@ fn static_loads(feet: &[FootPlace], weight: f64) -> Result<Vec<f64>, SpaceError>
         loads.push(load);
     }
     Ok(loads)
-}
-
-/// Returns the distance from the centre of mass to the nearest edge of the base, seen from above.
-fn nearest_edge(standing: impl Iterator<Item = [f64; 2]>) -> f64 {
-    let standing: Vec<[f64; 2]> = standing.collect();
-    let mut nearest = f64::INFINITY;
-    for (i, &[x, y]) in standing.iter().enumerate() {
-        for &[x_2, y_2] in &standing[i + 1..] {
-            let side = |&[a, b]: &[f64; 2]| (x_2 - x) * (b - y) - (y_2 - y) * (a - x);
-            let is_edge =
-                standing.iter().all(|foot| side(foot) >= 0.0) || standing.iter().all(|foot| side(foot) <= 0.0);
-            let length = ((x_2 - x) * (x_2 - x) + (y_2 - y) * (y_2 - y)).sqrt();
-            if is_edge && length > 0.0 {
-                nearest = nearest.min(side(&[0.0, 0.0]).abs() / length);
-            }
-        }
-    }
-    nearest
 }

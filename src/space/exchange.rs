@@ -246,10 +246,7 @@ impl SpaceRun {
     fn include_present(&mut self) {
         let SpaceRun { setup, state, memory } = self;
         let SpaceState { numbers, peaks, .. } = state;
-        for (i, quantity) in memory.samples[0].of_motion.into_iter().enumerate() {
-            let peak = peaks.of_motion_mut(i);
-            *peak = peak.max(quantity.re);
-        }
+        peaks.include_motion(&setup.body, &memory.samples[0].of_motion, &memory.samples[0].lean);
         for sample in memory.samples[0].watched() {
             if let Some(peak) = peaks.of_function_mut(sample.function) {
                 *peak = peak.max(sample.value.re);

@@ -6,6 +6,7 @@
 //! | module | in → out |
 //! | --- | --- |
 //! | [`parameters`] | numbers as users give them, and the errors of invalid ones |
+//! | `base` | feet → the edges of the base, and the critical tilts over them |
 //! | `body` | checked parameters → the numbers of the equations |
 //! | [`excitation`] | inputs over a step, records and pulses → the forcing at any time |
 //! | [`motion`] | a state → the motion of the body and its feet |
@@ -21,6 +22,7 @@
 //! | `samples` | an end of a step → the samples of the watched functions there |
 //! | [`run`], `stepping` | a run: steps, their first events, and the motion after them |
 
+pub(crate) mod base;
 pub(crate) mod beginning;
 pub(crate) mod body;
 pub mod energies;

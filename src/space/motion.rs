@@ -81,7 +81,12 @@ impl<T: Component> Turn<T> {
     /// Returns the rotation of a state.
     #[inline(always)]
     pub fn of(state: &[T]) -> Turn<T> {
-        let [w, x, y, z] = [0, 1, 2, 3].map(|i| state[QUATERNION + i]);
+        Turn::of_quaternion([0, 1, 2, 3].map(|i| state[QUATERNION + i]))
+    }
+
+    /// Returns the rotation of a quaternion, its real part first.
+    #[inline(always)]
+    pub fn of_quaternion([w, x, y, z]: [T; 4]) -> Turn<T> {
         let factor = T::from(2.0) / (w * w + (x * x + y * y + z * z));
         let [x_2, y_2, z_2] = [x * factor, y * factor, z * factor];
         let [xx, yy, zz] = [x * x_2, y * y_2, z * z_2];
@@ -125,6 +130,13 @@ impl<T: Component> Turn<T> {
         Vector3::new(z.x, z.y, z.z + 1.0)
     }
 
+    /// Returns the lean of the body.
+    #[inline(always)]
+    pub fn lean(&self) -> Lean<T> {
+        let [x, y, z] = &self.columns;
+        Lean { across: [-x.z, -y.z], up: z.z + 1.0 }
+    }
+
     /// Returns the twist about the vertical, as the sine and the cosine of its angle times a common number.
     #[inline(always)]
     pub fn twist(&self) -> [T; 2] {
@@ -138,6 +150,16 @@ impl<T: Component> Turn<T> {
         let [.., z] = &self.columns;
         z.z * -0.5
     }
+}
+
+/// The direction of gravity in body axes, of length 1: across the body, towards the side to which it leans, and up, the reversed one along
+/// its axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lean<T> {
+    /// Its components along x and y: the sine of the tilt in the direction of the lean.
+    pub across: [T; 2],
+    /// The cosine of the tilt.
+    pub up: T,
 }
 
 /// The motion of the body.

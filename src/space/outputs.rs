@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::numerics::dual::Dual;
 use crate::numerics::scalar::{Elementary, greatest};
 use crate::space::body::SpaceBody;
 use crate::space::forces::{FootContact, FootForces, support_height};
@@ -109,6 +110,13 @@ pub struct SpaceObservation<T = f64> {
     pub powers: [T; 3],
     /// The feet.
     pub feet: Vec<FootObservation<T>>,
+}
+
+impl SpaceObservation {
+    /// Returns the tilt over the critical one in the direction of the lean (1): 1 where the centre of mass stands over an edge of the base.
+    pub fn tilt_over_critical(&self, body: &SpaceBody) -> f64 {
+        body.tilt_over_critical(&Turn::of_quaternion(self.quaternion.map(Dual::from)).lean()).re
+    }
 }
 
 impl<T: Component + Elementary> SpaceObservation<T> {

@@ -7,7 +7,7 @@ use crate::numerics::roots::rate_of_peak;
 use crate::numerics::scalar::Elementary;
 use crate::space::body::SpaceBody;
 use crate::space::events::SpaceFunction;
-use crate::space::motion::{BodyMotion, FEET_FROM, slip_of};
+use crate::space::motion::{BodyMotion, FEET_FROM, Lean, slip_of};
 use crate::space::outputs::{Attitude, FootObservation, SpaceObservation, drift};
 
 /// The greatest values since the start.
@@ -15,6 +15,8 @@ use crate::space::outputs::{Attitude, FootObservation, SpaceObservation, drift};
 pub struct SpacePeaks {
     /// Square of the sine of half the tilt.
     pub half_tilt_square: f64,
+    /// Tilt over the critical one in the direction of the lean (1).
+    pub tilt_over_critical: f64,
     /// Square of the twist about the vertical (rad²).
     pub twist_square: f64,
     /// Square of the distance of the base's middle from its place at rest (m²).
@@ -47,6 +49,9 @@ pub struct SpacePeakRates {
 /// Quantities of the body's motion with a peak. Squares have the same bits in a mirrored motion.
 pub(super) const OF_MOTION: usize = 3;
 
+/// The place among them of the square of the sine of half the tilt.
+pub(super) const HALF_TILT: usize = 0;
+
 /// Returns the quantities of [`OF_MOTION`], with their rates.
 #[inline]
 pub(super) fn of_motion(body: &SpaceBody, motion: &BodyMotion<Dual>) -> [Dual; OF_MOTION] {
@@ -59,18 +64,42 @@ impl SpacePeaks {
     /// The values at the start of a run.
     pub(super) fn at_start(body: &SpaceBody, state: &[f64]) -> SpacePeaks {
         let still: [Dual; FEET_FROM] = std::array::from_fn(|i| Dual::from(state[i]));
+        let motion = BodyMotion::of(&still);
         let mut peaks = SpacePeaks::default();
-        for (i, quantity) in of_motion(body, &BodyMotion::of(&still)).into_iter().enumerate() {
-            let peak = peaks.of_motion_mut(i);
+        peaks.include_motion(body, &of_motion(body, &motion), &motion.turn.lean());
+        peaks
+    }
+
+    /// Includes the quantities of the motion at an instant.
+    pub(super) fn include_motion(&mut self, body: &SpaceBody, of_motion: &[Dual; OF_MOTION], lean: &Lean<Dual>) {
+        for (i, quantity) in of_motion.iter().enumerate() {
+            let peak = self.of_motion_mut(i);
             *peak = peak.max(quantity.re);
         }
-        peaks
+        self.tilt_over_critical = self.tilt_over_critical.max(body.tilt_over_critical(lean).re);
+    }
+
+    /// Returns the square of the sine of half a tilt that exceeds [`tilt_over_critical`](SpacePeaks::tilt_over_critical) in no direction.
+    ///
+    /// No critical tilt is less than that over the nearest edge. `x − x³/6` bounds the sine from below.
+    #[inline]
+    pub(super) fn harmless_half_tilt_square(&self, body: &SpaceBody) -> f64 {
+        let half = 0.5 * self.tilt_over_critical * body.edge_angle;
+        let sine = half * (1.0 - half * half * (1.0 / 6.0)).max(0.0);
+        sine * sine
+    }
+
+    /// Returns a ratio of the tangents of the tilt and of the critical tilt without any tilt over the critical one above the greatest yet.
+    ///
+    /// `tan θ > θ`, and the critical tilt exceeds `3 τ/(3 + τ²)` with its tangent τ, which is at most that over a corner.
+    pub(super) fn harmless_tangent_ratio(&self, body: &SpaceBody) -> f64 {
+        self.tilt_over_critical * 3.0 / (3.0 + body.corner_slope * body.corner_slope)
     }
 
     /// Returns the peak of a quantity of the motion.
     pub(super) fn of_motion_mut(&mut self, quantity: usize) -> &mut f64 {
         match quantity {
-            0 => &mut self.half_tilt_square,
+            HALF_TILT => &mut self.half_tilt_square,
             1 => &mut self.twist_square,
             _ => &mut self.drift_square,
         }
@@ -133,8 +162,9 @@ impl SpacePeaks {
 
     /// Whether all are finite and none is negative.
     pub fn is_valid(&self) -> bool {
-        let SpacePeaks { half_tilt_square, twist_square, drift_square, normal, uplift, slip } = *self;
-        [half_tilt_square, twist_square, drift_square, normal, uplift, slip]
+        let SpacePeaks { half_tilt_square, tilt_over_critical, twist_square, drift_square, normal, uplift, slip } =
+            *self;
+        [half_tilt_square, tilt_over_critical, twist_square, drift_square, normal, uplift, slip]
             .iter()
             .all(|peak| peak.is_finite() && *peak >= 0.0)
     }

@@ -2,6 +2,7 @@
 
 use crate::numerics::dual::Dual;
 use crate::space::events::{Poised, SpaceFunction, SpaceSample};
+use crate::space::motion::Lean;
 use crate::space::peaks::{OF_MOTION, of_motion};
 use crate::space::piece::indicator_count;
 
@@ -13,6 +14,8 @@ pub(super) struct SpaceSamples {
     count: usize,
     /// The quantities of the body's motion with a peak.
     pub(super) of_motion: [Dual; OF_MOTION],
+    /// The lean of the body.
+    pub(super) lean: Lean<Dual>,
 }
 
 impl SpaceSamples {
@@ -20,7 +23,7 @@ impl SpaceSamples {
     pub(super) fn new(feet: usize) -> SpaceSamples {
         let none = SpaceSample { function: SpaceFunction::Overturning, value: Dual::default(), rounding: 0.0 };
         let functions = vec![none; indicator_count(feet)];
-        SpaceSamples { functions, count: 0, of_motion: [Dual::default(); OF_MOTION] }
+        SpaceSamples { functions, count: 0, of_motion: [Dual::default(); OF_MOTION], lean: Lean::default() }
     }
 
     /// Takes the samples of a block.
@@ -31,6 +34,7 @@ impl SpaceSamples {
             self.count += 1;
         });
         self.of_motion = of_motion(now.body, now.motion());
+        self.lean = now.motion().turn.lean();
     }
 
     /// Returns the samples of the functions that are watched.

@@ -6,12 +6,13 @@ use crate::numerics::dual::Dual;
 use crate::numerics::roots;
 use crate::numerics::stepper::{SliceEquations, Stepper};
 use crate::run::{Ending, SimulationError, spend_step};
+use crate::space::base::BaseEdge;
 use crate::space::equations::SpaceEquations;
 use crate::space::events::{Poised, SpaceEvent, SpaceEventKind, SpaceFunction, SpaceSample, change, watched};
 use crate::space::excitation::{SpaceExcitation, SpaceInputs};
 use crate::space::limits::{SpaceLimits, fastest_number};
-use crate::space::motion::{OMEGA, normalize, of_foot, three};
-use crate::space::peaks::{OF_MOTION, SpacePeaks, of_motion};
+use crate::space::motion::{Lean, OMEGA, normalize, of_foot, three};
+use crate::space::peaks::{HALF_TILT, OF_MOTION, SpacePeaks, of_motion};
 use crate::space::run::SpaceRun;
 use crate::space::samples::SpaceSamples;
 
@@ -61,6 +62,12 @@ impl SpaceInterior<'_> {
     fn of_motion(&mut self, elapsed: f64) -> [Dual; OF_MOTION] {
         let now = self.go_to(elapsed);
         of_motion(now.body, now.motion())
+    }
+
+    /// Returns the tilt over that over an edge, in the direction of the lean.
+    fn tilt_over(&mut self, edge: &BaseEdge, elapsed: f64) -> Dual {
+        let now = self.go_to(elapsed);
+        edge.tilt_over_critical(&now.motion().turn.lean(), now.body.center_height)
     }
 }
 
@@ -126,6 +133,28 @@ fn first_crossing(
     first
 }
 
+/// Includes the tilts over the critical ones in a step of this duration (s), with the leans at its ends.
+///
+/// Over one edge it is smooth, and the greatest over all edges is that over the edge ahead. Edges over which it may pass the peak are searched.
+fn include_tilt_over_critical(
+    peaks: &mut SpacePeaks,
+    [start, end]: [&Lean<Dual>; 2],
+    duration: f64,
+    inside: &mut SpaceInterior,
+) {
+    let body = inside.equations.body;
+    for edge in &body.edges {
+        let harmless = peaks.harmless_tangent_ratio(body);
+        let [first, last] = [start, end].map(|lean| edge.excess(harmless, lean, body.center_height));
+        if roots::may_pass(0.0, first, last, duration) {
+            let [first, last] = [start, end].map(|lean| edge.tilt_over_critical(lean, body.center_height));
+            let mut tilt = |elapsed| inside.tilt_over(edge, elapsed);
+            let peak = &mut peaks.tilt_over_critical;
+            *peak = roots::greatest(*peak, first, last, duration, &mut tilt);
+        }
+    }
+}
+
 /// Includes the values of a step of this duration (s), with the samples at its ends.
 pub(super) fn include_peaks(
     peaks: &mut SpacePeaks,
@@ -133,6 +162,10 @@ pub(super) fn include_peaks(
     duration: f64,
     inside: &mut SpaceInterior,
 ) {
+    let harmless = peaks.harmless_half_tilt_square(inside.equations.body);
+    if roots::may_pass(harmless, starts.of_motion[HALF_TILT], ends.of_motion[HALF_TILT], duration) {
+        include_tilt_over_critical(peaks, [&starts.lean, &ends.lean], duration, inside);
+    }
     for (i, (&start, &end)) in starts.of_motion.iter().zip(&ends.of_motion).enumerate() {
         let peak = peaks.of_motion_mut(i);
         *peak = roots::greatest(*peak, start, end, duration, &mut |elapsed| inside.of_motion(elapsed)[i]);

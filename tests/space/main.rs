@@ -6,6 +6,7 @@ mod cases;
 mod skipped;
 
 mod closed_forms;
+mod critical_tilts;
 mod equations;
 mod exchange;
 mod excitation;

@@ -67,6 +67,7 @@ fn a_mirrored_block_has_the_mirrored_bits() {
         assert_eq!(mirrored.state().numbers[i], sign * original.state().numbers[i], "number {i}");
     }
     assert_eq!(original.state().counts, mirrored.state().counts);
+    assert_eq!(original.peaks(), mirrored.peaks());
 }
 
 #[test]
@@ -75,6 +76,8 @@ fn a_block_turned_by_a_quarter_moves_alike() {
     let (parameters, pulses) = mapped([[0.0, -1.0], [1.0, 0.0]]);
     let (turned, turned_events) = end(&parameters, pulses, 3.0);
     assert_eq!(events, turned_events);
+    let [a, b] = [&original, &turned].map(|run| run.peaks().tilt_over_critical);
+    assert!(a > 0.01 && (a - b).abs() < 1e-10, "{b}, not {a}");
     let [a, b] = [original, turned].map(|run| run.observe(&SpaceInputs::default()));
     let alpha = 0.25;
     for (found, expected) in [
@@ -115,4 +118,5 @@ fn a_block_scaled_by_powers_of_two_has_the_same_bits() {
         assert_eq!(found.to_bits(), expected.to_bits(), "number {i}: {found}, not {expected}");
     }
     assert_eq!(original.state().counts, scaled.state().counts);
+    assert_eq!(original.peaks().tilt_over_critical, scaled.peaks().tilt_over_critical);
 }

@@ -87,6 +87,12 @@ pub fn may_rise_inside<T: Real>(most: T, start: Dual<T>, end: Dual<T>, duration:
     may_exceed(scalar::greatest(most, scalar::greatest(start.re, end.re)), start, end, duration)
 }
 
+/// Whether a function may exceed `most` in `[0, duration]`, by its samples at both ends.
+#[inline]
+pub fn may_pass(most: f64, start: Dual, end: Dual, duration: f64) -> bool {
+    most < start.re || most < end.re || may_exceed(most, start, end, duration)
+}
+
 /// Returns the first time in `[0, duration]` at which `function` falls through zero, or `None`.
 ///
 /// `start` and `end` are the function's samples at 0 and `duration`. A function within `rounding` of zero at the start is muted until it

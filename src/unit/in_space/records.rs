@@ -20,7 +20,12 @@ impl SpaceValues {
         };
         let files = RecordSource { variables: "record.x, record.y or record.z", gives: self.has_file() };
         let records = from_one([arrays, files], || self.records_of_arrays(), || self.records_of_files())?;
-        let ground = SpaceGround { records, azimuth: self[Variable::RecordAzimuth] }.checked()?;
+        let ground = SpaceGround { records, azimuth: self[Variable::RecordAzimuth] };
+        let ground = ground.checked().map_err(|error| match error.starts_with("record.") {
+            true if error.contains(" time step of ") => format!("{error}; resample the components to one step"),
+            true => format!("{error}; cut the components to the samples that all have"),
+            false => error,
+        })?;
         Ok(ground.scaled_and_shifted(self[Variable::RecordScale], self[Variable::RecordStart]))
     }
 

@@ -36,10 +36,7 @@ pub fn directions(title: &str, found: &[Direction], limit: Limit) -> Result<Stri
     ];
     let legend = [
         (Symbol::Band, formula(&format!("fraction of the rows beyond the limit: {limit}").replace("alpha", "α"))),
-        (
-            Symbol::Mark(Mark::Circle),
-            formula("median of the peak tilt/α_edge; outside the circle: overturned, or above 1"),
-        ),
+        (Symbol::Mark(Mark::Circle), formula("median of the peak tilt/α; outside the circle: overturned, or above 1")),
     ];
     page(&heading, &legend, HEIGHT, |_, area| draw(area, found))
 }

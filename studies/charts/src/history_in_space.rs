@@ -34,7 +34,7 @@ pub fn history(run: &RunInSpace, history: &HistoryInSpace, title: &str) -> Resul
     let (body, rows) = (&run.setup.body, &history.rows);
     let ended = history.ending.map(|(ending, time)| format!("; {ending} at t = {time:.3} s")).unwrap_or_default();
     let heading = [title.into(), formula(&format!("block in space: {}{ended}", block_line(&run.parameters, body)))];
-    let (alpha, weight, g) = (body.alpha, body.mass * body.gravity, body.gravity);
+    let (weight, g) = (body.mass * body.gravity, body.gravity);
     let time = |row: &RowInSpace| row.observation.time;
     let start = rows.first().map_or(0.0, time);
     let end = rows.last().map_or(1.0, time).max(start + 1e-9);
@@ -44,13 +44,13 @@ pub fn history(run: &RunInSpace, history: &HistoryInSpace, title: &str) -> Resul
     let panel = |height, chart, series: &[Series<RowInSpace>]| panel(rows, time, height, chart, series);
 
     let tilt: [Series<RowInSpace>; 3] = [
-        ("θ", LineStyle::WIDE_GREY, &|row| row.observation.attitude.tilt / alpha),
-        ("θ_x", LineStyle::BLUE, &|row| row.observation.attitude.tilt_x / alpha),
-        ("θ_y", LineStyle::ORANGE, &|row| row.observation.attitude.tilt_y / alpha),
+        ("θ", LineStyle::WIDE_GREY, &|row| row.tilt_over_critical),
+        ("θ_x", LineStyle::BLUE, &|row| of_critical(row, row.observation.attitude.tilt_x)),
+        ("θ_y", LineStyle::ORANGE, &|row| of_critical(row, row.observation.attitude.tilt_y)),
     ];
     let values = rows.iter().flat_map(|row| tilt.iter().map(move |(.., value)| value(row)));
     let of_tilt = Chart {
-        title: beyond(history, alpha).unwrap_or_default(),
+        title: beyond(history).unwrap_or_default(),
         x: axis(false),
         y: ("θ/α", rotations(values)),
         ..Chart::default()
@@ -105,10 +105,16 @@ fn series(curves: &[OfFeet]) -> Vec<Series<'_, RowInSpace>> {
     curves.iter().map(|(name, style, value)| -> Series<RowInSpace> { (name, *style, value) }).collect()
 }
 
+/// Returns a component of the tilt over the critical tilt in the direction of the lean.
+fn of_critical(row: &RowInSpace, component: f64) -> f64 {
+    let tilt = row.observation.attitude.tilt;
+    if tilt > 0.0 { row.tilt_over_critical * (component / tilt) } else { 0.0 }
+}
+
 /// Describes a tilt beyond the ordinate.
-fn beyond(history: &HistoryInSpace, alpha: f64) -> Option<String> {
-    let first = history.rows.iter().find(|row| row.observation.attitude.tilt > MAX_ROTATION * alpha)?;
-    let peak = significant(history.peaks.tilt() / alpha, 4);
+fn beyond(history: &HistoryInSpace) -> Option<String> {
+    let first = history.rows.iter().find(|row| row.tilt_over_critical > MAX_ROTATION)?;
+    let peak = significant(history.peaks.tilt_over_critical, 4);
     Some(format!("θ/α > {} after t = {} s; peak {peak}", short(MAX_ROTATION), significant(first.observation.time, 4)))
 }
 

@@ -26,7 +26,7 @@ const AROUND: u32 = 120 + 60 + 960;
 pub fn plan(run: &RunInSpace, history: &HistoryInSpace, title: &str) -> Result<String, PictureError> {
     let body = &run.setup.body;
     // A block that falls leaves the page.
-    let stands = |row: &&RowInSpace| row.observation.attitude.tilt <= MAX_ROTATION * body.alpha;
+    let stands = |row: &&RowInSpace| row.tilt_over_critical <= MAX_ROTATION;
     let rows: Vec<&RowInSpace> = history.rows.iter().take_while(stands).collect();
     let path = |of: fn(&RowInSpace) -> [f64; 2]| rows.iter().map(|row| point(of(row))).collect::<Vec<_>>();
     let (base, centre) = (path(|row| row.observation.drift), path(centre_of_mass));

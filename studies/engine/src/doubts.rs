@@ -130,7 +130,7 @@ fn size_in_space((_, body, _): &SizedInSpace) -> Option<String> {
     if !is_within(depth / width, DEPTHS) {
         return Some(format!("{}; expected a depth of {shallow} to {deep} times the width", block()));
     }
-    let slope = body.edge_distance() / body.center_height;
+    let slope = body.edge_distance / body.center_height;
     (slope > STOCKIEST)
         .then(|| format!("{} and lifts a foot beyond {} g only; expected a more slender one", block(), short(slope)))
 }

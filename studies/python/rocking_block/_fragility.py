@@ -94,7 +94,7 @@ class Fragility(_engine.Fragility):
     unit: str
     """Unit of the measure; empty if the table has none."""
     limit: str | float
-    """The limit: "overturned", "balance", a rotation |θ|/α [1], a slip or plastic elongation [m] as in "slip>0.1" or "plastic>0.02", "half_cycles>20", or "breaks"; of blocks in space "tilt/alpha_edge>0.5", "twist>0.1" or "drift>0.1"."""
+    """The limit: "overturned", "balance", a rotation |θ|/α [1], a slip or plastic elongation [m] as in "slip>0.1" or "plastic>0.02", "half_cycles>20", or "breaks"; of blocks in space "tilt/alpha>0.5", "twist>0.1" or "drift>0.1"."""
     ci: float
     """Confidence level of intervals and bands."""
     failed: int
@@ -301,7 +301,7 @@ def fragility(
     limit : "overturned", "balance", float or str, optional
         The limit: overturning, the balance (the rotation that puts the centre of mass over the corner), a rotation |θ|/α > 0 [1], or a
         slip or a plastic elongation of any tie or damper in metres, as in "slip:0.1" or "plastic:0.02", or the half cycles of a study, as in "half_cycles:20", or "breaks", a tie or damper that breaks; a block that overturned exceeds any. For blocks in space a number is the tilt
-        over that of the balance over the nearest edge, and there are "twist:0.1" in rad and "drift:0.1" in metres. By default overturning, or the balance for blocks with
+        over that of the balance in the direction of the lean, "balance" is 1 of it, and there are "twist:0.1" in rad and "drift:0.1" in metres. By default overturning, or the balance for blocks with
         ties, which may hold a block beyond it.
     ci : float
         Confidence level of intervals and bands, above 0 and below 1.

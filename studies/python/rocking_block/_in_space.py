@@ -309,9 +309,7 @@ class PeakInSpace:
     tilt: float
     """Angle between the block's axis and the vertical [rad]."""
     tilt_over_alpha: float
-    """`tilt` over the slenderness α [1]."""
-    tilt_over_alpha_edge: float
-    """`tilt` over the angle of balance over the nearest edge [1]."""
+    """Tilt over the critical tilt in the direction of the lean, at which the centre of mass stands over an edge of the base [1]."""
     twist: float
     """Rotation about the vertical, in either sense [rad]."""
     uplift: float
@@ -345,7 +343,7 @@ class RunInSpace:
     """The history of a block in space, in rows at evenly spaced times and at the end of the run; made by `BlockInSpace.run`.
 
     `run["tilt"]` gives a column by its name, an array of shape (n,) in SI units, with angles in radians: those of the table of `rocking
-    simulate`, among them `tilt`, `tilt_x`, `tilt_y`, `azimuth` and `twist`, and of each foot `N`, `uplift`, `slip` and `slides`, as in
+    simulate`, among them `tilt`, `tilt/alpha` over the critical tilt, `tilt_x`, `tilt_y`, `azimuth` and `twist`, and of each foot `N`, `uplift`, `slip` and `slides`, as in
     `run["N_SW"]`.
     """
 

@@ -28,15 +28,17 @@ def run(run: RunInSpace) -> npt.NDArray[np.object_]:
     figure = pyplot.figure()
     _make_room(figure, (9.0, 1.4 * sum(heights)))
     panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
-    alpha, weight = run.block.alpha_edge, run.block.mass * run.block.g
+    ratio, weight = run["tilt/alpha"], run.block.mass * run.block.g
     tilt, twist, forces, slips, *ground = panels
-    tilt.plot(run.t, run.tilt / alpha, color=INK, lw=1.6, label="θ")
-    tilt.plot(run.t, run["tilt_x"] / alpha, color=_COLOURS[0], lw=0.9, label="$θ_x$")
-    tilt.plot(run.t, run["tilt_y"] / alpha, color=_COLOURS[1], lw=0.9, label="$θ_y$")
-    if np.max(run.tilt) > _CUT * alpha:
+    # Components of the tilt over the critical one in the direction of the lean.
+    factor = np.divide(ratio, run.tilt, out=np.zeros_like(ratio), where=run.tilt > 0.0)
+    tilt.plot(run.t, ratio, color=INK, lw=1.6, label="θ")
+    tilt.plot(run.t, factor * run["tilt_x"], color=_COLOURS[0], lw=0.9, label="$θ_x$")
+    tilt.plot(run.t, factor * run["tilt_y"], color=_COLOURS[1], lw=0.9, label="$θ_y$")
+    if np.max(ratio) > _CUT:
         tilt.set_ylim(-_CUT, _CUT)
-    tilt.set_ylabel("tilt θ/$α_{edge}$")
-    if np.max(run.tilt) > 0.2 * alpha:
+    tilt.set_ylabel("tilt θ/α")
+    if np.max(ratio) > 0.2:
         tilt.axhline(1.0, color=INK, lw=0.8, ls=":")
     tilt.legend(loc="upper right", ncols=3, frameon=False)
     tilt.set_title(f"{run.block!r}"[1:-1] + "\n" + f"{run!r}"[1:-1], fontsize="small")

@@ -238,7 +238,7 @@ impl Cases {
     ) -> Result<(), SweepTableError> {
         let first = self.before;
         self.before += table.rows();
-        let mut batch = SweepTable::batch(file, table, headings, first);
+        let mut batch = SweepTable::batch(file, table, headings, first)?;
         self.rows.keep(&mut batch)?;
         self.heading = Some(batch.column(&self.im)?.heading.clone());
         let rows = self.found.take(&batch, is_part)?;

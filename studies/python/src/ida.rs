@@ -20,7 +20,10 @@ impl Ida {
     /// Sorts the rows of a table into curves over the measure of their levels.
     #[new]
     fn new(columns: Vec<GivenColumn>, im: &str) -> PyResult<Ida> {
-        engine::Ida::read(&SweepTable::new("table", table(columns)), im).map(Ida).map_err(invalid)
+        let columns = table(columns);
+        let headings = columns.headings().iter().map(ToString::to_string).collect();
+        let read = SweepTable::batch("table", columns, headings, 0).and_then(|table| engine::Ida::read(&table, im));
+        read.map(Ida).map_err(invalid)
     }
 
     /// The rotation whose peaks the curves have.

@@ -326,7 +326,7 @@ fn shown<'py>(py: Python<'py>, block: &BlockInSpace, history: &HistoryInSpace) -
     result.set_item("columns", columns)?;
     result.set_item("units", units)?;
     result.set_item("events", events.collect::<Vec<_>>())?;
-    result.set_item("peak", facts::of_peaks(&block.body, peaks).map(|(_, value)| value))?;
+    result.set_item("peak", facts::of_peaks(peaks).map(|(_, value)| value))?;
     let of_events = [counts.lift_offs, counts.landings, counts.slides, counts.sticks];
     result.set_item("counts", (of_events, [counts.steps, counts.rejected, counts.evaluations]))?;
     result.set_item("outcome", end.word())?;

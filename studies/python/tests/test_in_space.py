@@ -209,7 +209,7 @@ def test_an_object_in_space_is_assessed(tmp_path):
     ]
     (tmp_path / "study.toml").write_text("\n".join(lines))
     report = rb.assess(tmp_path / "study.toml")
-    exceeded = (table["outcome"] == "overturned") | (table["peak.tilt/alpha_edge"] > 0.3)
+    exceeded = (table["outcome"] == "overturned") | (table["peak.tilt/alpha"] > 0.3)
     assert report.numbers["states"][0]["runs"]["exceeded"] == exceeded.sum() > 0
     assert [direction["azimuth"] for direction in report.numbers["directions"]] == [0, 40]
     assert "directions.png" in report.files and "rolls over corners" in report.html
@@ -283,14 +283,16 @@ def test_spectral_measures_of_pairs_are_those_of_their_definition(tmp_path):
 
 def test_fragility_in_space_has_its_own_limits():
     table = rb.sweep(ROOT / "examples/space/study.toml")
-    for limit, word in ((0.7, "tilt/alpha_edge>0.7"), ("tilt:0.7", "tilt/alpha_edge>0.7"), ("twist:0.02", "twist>0.02"), ("drift:0.1", "drift>0.1")):
+    for limit, word in ((0.7, "tilt/alpha>0.7"), ("tilt:0.7", "tilt/alpha>0.7"), ("balance", "tilt/alpha>1"), ("twist:0.02", "twist>0.02"), ("drift:0.1", "drift>0.1")):
         fit = rb.fragility(table, "PGV.RotD50", limit=limit)
-        column = {"tilt/alpha_edge": "peak.tilt/alpha_edge", "twist": "peak.twist", "drift": "peak.drift"}[word.split(">")[0]]
+        column = {"tilt/alpha": "peak.tilt/alpha", "twist": "peak.twist", "drift": "peak.drift"}[word.split(">")[0]]
         exceeded = (table[column] > float(word.split(">")[1])) | (table["outcome"] == "overturned")
         assert fit.limit == word and word in repr(fit) and fit.exceeded == exceeded.sum()
         assert "the only motion" in fit.independence
-    with pytest.raises(ValueError, match="the limit balance is for blocks in the plane"):
-        rb.fragility(table, "PGV.RotD50", limit="balance")
+    former = {name: table[name] for name in table} | {"peak.tilt/alpha_edge": table["peak.tilt/alpha"]}
+    for evaluate in (rb.fragility, rb.ida):
+        with pytest.raises(ValueError, match="found the column peak.tilt/alpha_edge, of a former release; expected only peak.tilt/alpha"):
+            evaluate(former, "PGV.RotD50")
     found = rb.ida(table, "PGV.RotD50")
     assert found.rotation == "tilt over that of the balance" and len(found.curves) == 12
 
@@ -302,7 +304,7 @@ def test_a_run_is_drawn(tmp_path):
     panels = run.plot()
     assert [panel.get_ylabel().partition(" ")[0] for panel in panels] == ["tilt", "twist", "N/(M", "slip", "ground"]
     tilt, _, forces, *_ = panels
-    assert np.array_equal(tilt.lines[0].get_ydata(), run.tilt / run.block.alpha_edge)
+    assert np.array_equal(tilt.lines[0].get_ydata(), run["tilt/alpha"])
     assert [line.get_label() for line in forces.lines[:4]] == run.block.foot_names
     assert sum(line.get_ydata()[0] for line in forces.lines[:4]) == pytest.approx(1.0)
     panels = rb.BlockInSpace(base="circle", feet=6, alpha=0.2, p=2.0, eta=60).run(tilt_x=0.05, duration=1).plot()

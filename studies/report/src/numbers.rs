@@ -168,14 +168,16 @@ pub fn exceeds_in_words(limit: Limit) -> String {
         Limit::Plastic(limit) => format!("overturns or stretches a tie or damper plastically by more than {limit} m"),
         Limit::HalfCycles(limit) => format!("overturns or gives a tie or damper more than {limit} half cycles"),
         Limit::Breaks => "overturns or breaks a tie or damper".into(),
-        Limit::Tilt(limit) => format!("tilts beyond {limit} times the angle of its balance over the nearest edge"),
+        Limit::Tilt(limit) => {
+            format!("tilts beyond {limit} times the angle of its balance in the direction in which it leans")
+        }
         Limit::Twist(limit) => format!("overturns or twists more than {limit} rad"),
         Limit::Drift(limit) => format!("overturns or drifts more than {limit} m"),
     }
 }
 
 /// Meaning of the measures and symbols of a page.
-pub const WORDS: [(&str, &str); 20] = [
+pub const WORDS: [(&str, &str); 21] = [
     ("PGA", "peak ground acceleration: the greatest acceleration of the ground"),
     ("PGV", "peak ground velocity: the greatest velocity of the ground"),
     ("PFA", "peak floor acceleration: the greatest acceleration of the floor on which the object stands"),
@@ -186,6 +188,10 @@ pub const WORDS: [(&str, &str); 20] = [
     ("RotD100", "the greatest value of a measure over all horizontal directions"),
     ("azimuth", "direction of the first component, from x towards y, seen from above"),
     ("tilt", "angle between the axis of the object and the vertical, in whatever direction"),
+    (
+        "tilt/α",
+        "the tilt over that at which the centre of mass stands over the base's edge or corner, in the direction of the lean",
+    ),
     ("α_edge", "the tilt at which the centre of mass stands over the nearest edge of the base"),
     ("twist", "rotation of the object about the vertical"),
     ("drift", "distance of the base from its place at the start"),

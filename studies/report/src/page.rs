@@ -58,7 +58,7 @@ fn words(report: &Report) -> Vec<(&'static str, &'static str)> {
     let has = |word: &str| match word {
         "PFA" | "PFV" => report.building.is_some(),
         "θ" | "α" => !is_in_space(report),
-        "tilt" | "α_edge" | "twist" | "drift" | "azimuth" => is_in_space(report),
+        "tilt" | "tilt/α" | "α_edge" | "twist" | "drift" | "azimuth" => is_in_space(report),
         "RotD50" | "RotD100" | "larger" | "geomean" => report.im.contains(word),
         "μ" => !report.sliding.is_empty() || report.object.friction.is_finite(),
         _ => true,

@@ -36,7 +36,7 @@ fn directions(results: &Results) -> io::Result<String> {
         TableColumn::count("runs", |direction: &Row| direction.known),
         TableColumn::real("exceeded", "1", |direction: &Row| direction.exceeded),
         TableColumn::count("unknown", |direction: &Row| direction.rows - direction.known),
-        TableColumn::optional("median.tilt/alpha_edge", "1", |direction: &Row| direction.median),
+        TableColumn::optional("median.tilt/alpha", "1", |direction: &Row| direction.median),
     ];
     let limit = &results.report.states[results.report.compared_state].limit;
     let rows: Vec<Row> = results.report.directions.iter().collect();

@@ -18,6 +18,9 @@ const inStiffness = all(on("shape", "size"), on("supports", "stiffness"));
 const inRatios = (state) => !inStiffness(state);
 const gabor = all(on("excitation", "pulse"), on("pulse", "gabor"));
 const hasVertical = all(record, on("vertical", "file"));
+/** The second horizontal component is that of the visitor's own record. */
+const mayHaveSecond = all(space, on("excitation", "file"));
+const hasSecond = all(mayHaveSecond, on("record_y", "file"));
 
 /** A unit as readers know it. */
 const written = (unit) => unit.replaceAll(".", "·").replaceAll("2", "²");
@@ -126,6 +129,10 @@ export const FIELDS = [
   { id: "excitation", label: "Moved by", kind: "segments", value: "embedded", group: "ground",
     options: [["embedded", "Loma Prieta"], ["file", "own record"], ["pulse", "pulse"], ["release", "release"]] },
   { id: "record", slot: "record", label: "Accelerogram", kind: "file", group: "ground", when: on("excitation", "file") },
+  { id: "record_y", label: "Second component, along y", kind: "segments", value: "none", group: "ground", when: mayHaveSecond,
+    title: "The other horizontal component of the motion, with the step and the length of the first",
+    options: [["none", "none"], ["file", "from a file"]] },
+  { id: "record_y_file", slot: "record_y", errors: "record_y", label: "Accelerogram along y", kind: "file", group: "ground", when: hasSecond },
   { id: "scale", label: "Scale", unit: "1", value: "1", slider: [0.1, 10, "log"], group: "ground", when: record },
   { id: "pulse", label: "Shape of the pulse", kind: "choice", value: "one-sine", group: "ground", when: on("excitation", "pulse"),
     options: labelled(pulses.filter((word) => word !== "none"), PULSES) },
@@ -135,7 +142,7 @@ export const FIELDS = [
   number("cycles", "Duration in periods", "ground", { symbol: "γ", value: "2", slider: [1, 5], when: gabor }),
   { id: "tilt", label: "Tilt at release", symbol: "θ/α", unit: "1", value: "0.6", slider: [-0.99, 0.99], group: "ground", when: on("excitation", "release") },
   { id: "azimuth", label: "Direction from x towards y", symbol: "φ", unit: "°", value: "30", slider: [0, 360], group: "ground", when: space,
-    title: "That of the record, of the pulse or of the tilt, seen from above" },
+    title: "That of the record, which turns the second one with it, of the pulse or of the tilt, seen from above" },
   { id: "theta_dot", label: "Velocity at release", symbol: "θ̇", unit: "rad/s", value: "0", slider: [-2, 2], group: "ground", when: all(plane, on("excitation", "release")) },
   ...settings("", "file", on("excitation", "file")),
   { id: "vertical", label: "Vertical motion", kind: "segments", value: "none", group: "vertical", when: record,
@@ -170,7 +177,7 @@ export const DEFAULTS = Object.fromEntries(STATE.map(({ id, value }) => [id, val
 const inHash = (hash) => new URLSearchParams(hash.replace(/^#/, ""));
 
 /** Names of files are kept in the address as a reminder. */
-const isKnown = (id) => Object.hasOwn(DEFAULTS, id) || id === "record_name" || id === "vertical_name";
+const isKnown = (id) => Object.hasOwn(DEFAULTS, id) || ["record_name", "record_y_name", "vertical_name"].includes(id);
 
 /** The state in the address, with defaults for the rest. */
 export function fromHash(hash) {
@@ -195,6 +202,7 @@ export function toHash(state) {
     if (state[id] !== DEFAULTS[id] && (!when || when(state))) parts.set(id, state[id]);
   }
   if (state.excitation === "file" && state.record_name) parts.set("record_name", state.record_name);
+  if (hasSecond(state) && state.record_y_name) parts.set("record_y_name", state.record_y_name);
   if (state.vertical === "file" && state.vertical_name) parts.set("vertical_name", state.vertical_name);
   return parts.toString();
 }

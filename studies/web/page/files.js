@@ -1,17 +1,25 @@
-// Dropped files → the slot of each: the horizontal record or the vertical one.
+// Dropped files → the slot of each: the horizontal record, in space that along y, or the vertical one.
 
 /** Parts of the names of vertical records, as in `RSN6_ELC-UP.AT2`, `AKT013.UD`, `IT.AQV..HNZ.D.ASC`. */
 const VERTICAL = /^(u|v|z|up|dn|dwn|down|ud[12]?|ver|vert|vertical|[behs][ghln]z)$/i;
 
 const isVertical = (name) => name.split(/[^a-z0-9]+/i).some((part) => VERTICAL.test(part));
 
-/** The slots of files with these names, or a message; `on` is the slot on whose field they were dropped. */
-export function slotsOf(names, on) {
+/**
+ * The slots of files with these names, or a message; `on` is the slot on whose field they were dropped. In space the horizontal files are
+ * those along x and y in the order of their names.
+ */
+export function slotsOf(names, on, isInSpace) {
   if (names.length === 1) return { slots: [on ?? "record"] };
-  const vertical = names.map(isVertical);
-  if (names.length === 2 && vertical[0] !== vertical[1]) return { slots: vertical.map((is) => (is ? "vertical" : "record")) };
+  const horizontal = names.filter((name) => !isVertical(name)).sort();
+  const verticals = names.length - horizontal.length;
+  const slots = ["record", "record_y"].slice(0, isInSpace ? 2 : 1);
+  if (verticals <= 1 && horizontal.length > 0 && horizontal.length <= slots.length) {
+    return { slots: names.map((name) => slots[horizontal.indexOf(name)] ?? "vertical") };
+  }
+  const records = isInSpace ? "one or two horizontal records and perhaps a vertical one" : "one, or a horizontal and a vertical record";
   const listed = names.slice(0, 3).join(", ") + (names.length > 3 ? " and more" : "");
-  return { message: `found ${names.length} files, ${listed}; expected one, or a horizontal and a vertical record, whose name has a part as UP, UD, V or Z` };
+  return { message: `found ${names.length} files, ${listed}; expected ${records}, whose name has a part as UP, UD, V or Z` };
 }
 
 /** The dropped files, or a message if there is a folder among them. */
@@ -38,6 +46,6 @@ export function watchDrops(take, refuse) {
     event.preventDefault();
     const { files, message } = filesOf(event.dataTransfer);
     if (message) refuse(message);
-    else take(files, event.target.closest?.("#field-vertical_file") ? "vertical" : undefined);
+    else take(files, ["vertical", "record_y"].find((slot) => event.target.closest?.(`#field-${slot}_file`)));
   });
 }

@@ -108,7 +108,7 @@ function showErrors(errors, scope = "run") {
   const rest = new Set(errors);
   for (const [id, { field, box, error, inputs }] of controls) {
     if (scope === "run" ? isStudy(field) : field.group !== scope) continue;
-    const isOf = ({ field: of }) => of === (field.errors ?? id) && !(field.kind === "segments" && of === "vertical" && state.vertical === "file");
+    const isOf = ({ field: of }) => of === (field.errors ?? id) && !(field.kind === "segments" && of === id && state[id] === "file");
     const [found, ...others] = box.hidden ? [] : errors.filter(isOf);
     [found, ...others].forEach((error) => rest.delete(error));
     say(error, found?.message ?? "");
@@ -129,7 +129,7 @@ function refuseFiles(message) {
 /** Takes files for the slot on whose field they were dropped, or for those that their names tell. */
 async function take(files, on) {
   if (files.length === 0) return;
-  const { slots, message } = slotsOf(files.map(({ name }) => name), on);
+  const { slots, message } = slotsOf(files.map(({ name }) => name), on, state.body === "space");
   if (message) return refuseFiles(message);
   let contents;
   try {
@@ -141,7 +141,7 @@ async function take(files, on) {
     const slot = slots[i];
     state[`${slot}_name`] = name;
     if (slot === "record") state.excitation = "file";
-    else state.vertical = "file";
+    else state[slot] = "file";
     for (const one of [engine, ...helpers]) one.setFile(slot, name, contents[i]);
   });
   adopt();

@@ -2,10 +2,11 @@
 
 import itertools
 import json
+import math
 
 import pytest
 from playwright.sync_api import expect
-from visitor import SCREENSHOTS, downloaded, fill, program, ran, runs
+from visitor import SCREENSHOTS, downloaded, drop, fill, program, ran, runs
 
 
 def words_of(run: dict) -> str:
@@ -89,7 +90,7 @@ def test_every_kind_of_block_in_space_has_the_outcome_of_the_program(visit, tmp_
         labels = page.locator("#numbers dt").all_inner_texts()
         numbers = dict(zip(labels, page.locator("#numbers dd:not(.wide)").all_inner_texts(), strict=True))
         tilt = float(numbers["Greatest tilt over that of the balance"])
-        assert tilt == pytest.approx(run["peak"]["tilt/alpha_edge"], rel=1e-3), kind
+        assert tilt == pytest.approx(run["peak"]["tilt/alpha"], rel=1e-3), kind
         slip = float(numbers["Greatest slip of a foot"].removesuffix(" mm"))
         assert slip == pytest.approx(1e3 * run["peak"]["slip"], rel=1e-3), kind
         found.add(run["outcome"])
@@ -106,7 +107,7 @@ def test_a_block_in_space_has_its_fields_pictures_and_command(visit, tmp_path):
         expect(page.locator(f"#field-{field}")).to_be_visible()
     for hidden in ("#field-foundation", "#field-epsilon", "#spectrum", "#ensemble", "#plots"):
         expect(page.locator(hidden)).to_be_hidden()
-    expect(page.locator("#outcome")).to_contain_text("balance over the nearest edge")
+    expect(page.locator("#outcome")).to_contain_text("balance in the direction in which it leans")
     assert "Greatest twist" in page.inner_text("#numbers")
     fill(page, "azimuth", "57.5")
     command = page.inner_text("#command")
@@ -130,3 +131,52 @@ def test_a_block_in_space_has_its_fields_pictures_and_command(visit, tmp_path):
     ran(page, before + 1)
     expect(page.locator("#plots")).to_be_visible()
     assert "--depth" not in page.inner_text("#command") and page.locator("#scene rect.block").count() == 1
+
+
+def test_a_block_in_space_takes_a_second_component_of_its_record(visit, tmp_path):
+    """Files dropped together are the components in the order of their names; those of other steps or lengths are refused."""
+
+    def record(name, rows, step=0.01, phase=0.0):
+        lines = (f"{i * step:.3f},{2.5 * math.sin(7 * i * step + phase) * math.exp(-i / 300):.6f}" for i in range(rows))
+        (tmp_path / name).write_text("t,a\n" + "\n".join(lines) + "\n")
+        return tmp_path / name
+
+    x, y, up = record("A-090.csv", 900), record("A-180.csv", 900, phase=1.0), record("A-UP.csv", 900, phase=2.0)
+    page = visit("#body=space&unit=m%2Fs2&azimuth=20")
+    ran(page)
+    expect(page.locator("#field-record_y")).to_be_hidden()
+    before = runs(page)
+    drop(page, y, up, x)
+    ran(page, before + 1)
+    command = page.inner_text("#command")
+    assert "--record A-090.csv --unit m/s2" in command and "--vertical A-UP.csv" in command and "--record-y A-180.csv" in command
+    files = {path.name: str(path) for path in (x, y, up)}
+    for name, path in files.items():
+        command = command.replace(name, path)
+    assert downloaded(page, "#save-csv") == program(command, "history.csv")
+    expect(page.locator("#warnings")).not_to_contain_text("A-180")
+    page.locator("#field-record_y_file").scroll_into_view_if_needed()
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    page.screenshot(path=SCREENSHOTS / "two_components.png")
+    message = page.locator("#record_y_file-error")
+    drop(page, record("short.csv", 700), on="#field-record_y_file")
+    expect(message).to_have_text(
+        "the record along y has 700 samples; expected the 900 samples of the record along x; cut the files to the samples that all have"
+    )
+    page.screenshot(path=SCREENSHOTS / "two_lengths.png")
+    drop(page, record("coarse.csv", 900, step=0.02), on="#field-record_y_file")
+    expect(message).to_contain_text("the record along y has a time step of 0.02 s; expected that of the record along x, 0.01 s; --resample")
+    drop(page, x, on="#field-record_y_file")
+    expect(message).to_have_text("the record along y has the samples of the record along x; expected each component once")
+    # Without it the first component is alone, and in the plane there is none.
+    before = runs(page)
+    page.locator("#field-record_y label:has-text('none')").click()
+    ran(page, before + 1)
+    expect(message).to_be_hidden()
+    assert "--record-y" not in page.inner_text("#command")
+    page.locator("#field-record_y label:has-text('from a file')").click()
+    expect(message).to_be_visible()
+    page.click("label:has-text('in a plane')")
+    ran(page, before + 2)
+    expect(page.locator("#field-record_y")).to_be_hidden()
+    assert "--record-y" not in page.inner_text("#command")

@@ -31,7 +31,7 @@ impl Fmu for SpaceUnit {
 
     const GUID: &'static str = GUID;
     const TOKEN: &'static str = TOKEN;
-    const CONTENT_VERSION: u32 = 3;
+    const CONTENT_VERSION: u32 = 4;
     const VARIABLES: usize = VARIABLES.len() + FMI3_VARIABLES.len();
 
     fn new(interface: Interface) -> SpaceUnit {

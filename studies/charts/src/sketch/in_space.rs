@@ -272,8 +272,8 @@ impl SketchInSpace<'_> {
         let mut of_body = vec![
             format!(
                 "α_edge = {} rad = {}°, balance over the nearest edge",
-                short(body.edge_angle()),
-                short(body.edge_angle().to_degrees())
+                short(body.edge_angle),
+                short(body.edge_angle.to_degrees())
             ),
             format!("R0 = {} m, p = {} rad/s", short(body.r0), short(body.p)),
             format!("M = {} kg", short(body.mass)),

@@ -126,7 +126,7 @@ impl AssessedObject {
     pub(super) fn slope(&self) -> f64 {
         match self {
             AssessedObject::Plane(block) => (block.b - block.eccentricity.abs()) / block.h,
-            AssessedObject::Space(object) => object.body.edge_distance() / object.body.center_height,
+            AssessedObject::Space(object) => object.body.edge_distance / object.body.center_height,
         }
     }
 

@@ -278,7 +278,7 @@ fn states(root: &Section<StudyFile>, assess: &AssessTable, sweep: &Sweep) -> Res
         let limit = limit.limit().map_err(|message| root.refused(&path, message))?;
         let limit = if is_in_space { limit.in_space() } else { limit };
         let has_no_effect = match limit {
-            Limit::Balance | Limit::Plastic(_) | Limit::HalfCycles(_) if is_in_space => Some(
+            Limit::Plastic(_) | Limit::HalfCycles(_) if is_in_space => Some(
                 "a limit for a block in the plane; expected overturned, or one in space: tilt:0.5 over that of the balance, \
                  twist:0.1, slip:0.1 or drift:0.1",
             ),

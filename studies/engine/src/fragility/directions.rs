@@ -23,7 +23,7 @@ pub struct Direction {
     /// Rows that exceed the limit.
     pub exceeded: f64,
     /// Median of the peak tilt over that of the balance (1), infinite where the median row overturns; `None` without a row with an outcome.
-    #[serde(rename = "peak.tilt/alpha_edge")]
+    #[serde(rename = "peak.tilt/alpha")]
     pub median: Option<f64>,
 }
 
@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     fn table(rows: &str) -> SweepTable {
-        let text = format!("row,azimuth [deg],outcome,peak.tilt/alpha_edge [1]\n{rows}");
+        let text = format!("row,azimuth [deg],outcome,peak.tilt/alpha [1]\n{rows}");
         SweepTable::read("t.csv", text.as_bytes()).unwrap()
     }
 

@@ -31,8 +31,11 @@ pub enum SweepTableError {
 /// Column of blocks with ties: the peak rotation over the balance angle of its side.
 const OVER_BALANCE: &str = "peak.theta/balance";
 
-/// Column of blocks in space: the peak tilt over that of the balance over the nearest edge.
-const TILT: &str = "peak.tilt/alpha_edge";
+/// Column of blocks in space: the peak tilt over the critical one in the direction of the lean.
+const TILT: &str = "peak.tilt/alpha";
+
+/// Its predecessor: the peak tilt over that of the balance over the nearest edge.
+const OVER_NEAREST_EDGE: &str = "peak.tilt/alpha_edge";
 
 /// The rows that a fit uses: those with a value in each of some columns.
 #[derive(Clone, Debug, Default)]
@@ -137,12 +140,22 @@ impl SweepTable {
     /// Evaluates the rows of a study; `file` is the name of the table in errors.
     pub fn new(file: &str, table: Table) -> SweepTable {
         let headings = table.columns().iter().map(|column| column.heading.to_string()).collect();
-        SweepTable::batch(file, table, headings, 0)
+        SweepTable { file: file.into(), table, headings, first: 0, kept: None }
     }
 
     /// Evaluates some columns of rows of a file with these headings, from the row at the position `first`.
-    pub fn batch(file: &str, table: Table, headings: Vec<String>, first: usize) -> SweepTable {
-        SweepTable { file: file.into(), table, headings, first, kept: None }
+    ///
+    /// # Errors
+    /// The table of a former release, whose `peak.tilt/alpha` has another meaning.
+    pub fn batch(file: &str, table: Table, headings: Vec<String>, first: usize) -> Result<SweepTable, SweepTableError> {
+        let table = SweepTable { file: file.into(), table, headings, first, kept: None };
+        if table.headings.iter().any(|heading| split_heading(heading).0 == OVER_NEAREST_EDGE) {
+            return Err(table.refused(format!(
+                "found the column {OVER_NEAREST_EDGE}, of a former release; expected only {TILT}, the tilt over that of the balance in \
+                 the direction of the lean, as from the same study run again"
+            )));
+        }
+        Ok(table)
     }
 
     /// Reads a table; `file` is its name in errors.
@@ -152,7 +165,8 @@ impl SweepTable {
     pub fn read(file: &str, content: impl Read) -> Result<SweepTable, SweepTableError> {
         let mut reader = TableReader::new(&|_| true);
         reader.read_csv(file, content)?;
-        Ok(SweepTable::new(file, reader.table()))
+        let headings = reader.headings().to_vec();
+        SweepTable::batch(file, reader.table(), headings, 0)
     }
 
     /// The distinct words of a column in the order of the rows. `None` without such a column.
@@ -227,7 +241,7 @@ impl SweepTable {
         if self.is_in_space() { TILT } else { "peak.theta/alpha" }
     }
 
-    /// The limit for the blocks of the table: a rotation is a tilt in space.
+    /// The limit for the blocks of the table: a rotation or the balance is a tilt in space.
     pub fn limit_of(&self, limit: Limit) -> Limit {
         if self.is_in_space() { limit.in_space() } else { limit }
     }
@@ -241,11 +255,6 @@ impl SweepTable {
         // Without ties, even blocks have their peaks over the balance in `peak.theta/alpha`.
         let is_even = self.column(OVER_BALANCE).is_err() && self.column("eccentricity").is_err();
         match limit {
-            Limit::Balance if self.is_in_space() => {
-                let expected =
-                    "a block in space may pass it over a corner; expected overturned, or tilt:1 for the nearest edge";
-                Err(self.refused(format!("the limit balance is for blocks in the plane: {expected}")))
-            }
             Limit::Overturned => Ok(Vec::new()),
             Limit::Balance if !is_even => self.column(OVER_BALANCE).map(|column| vec![column]),
             Limit::Balance | Limit::Rotation(_) => self.column("peak.theta/alpha").map(|column| vec![column]),
@@ -350,7 +359,7 @@ pub(super) mod tests {
         assert_eq!(chosen("record", "c"), (0, Err(refused.into())));
         // Without numbers, rows have those of their positions in the file.
         let read = table("p,outcome\n1,completed\n2,overturned\n2,fallen\n");
-        let mut batch = SweepTable::batch("t.csv", read.table, Vec::new(), 1000);
+        let mut batch = SweepTable::batch("t.csv", read.table, Vec::new(), 1000).unwrap();
         ChosenRows::new([("p".into(), "2".into())]).keep(&mut batch).unwrap();
         let message = batch.ends().unwrap_err().to_string();
         assert!(message.starts_with("t.csv: row 1002 has outcome = fallen; expected"), "{message}");

@@ -97,7 +97,7 @@ impl From<&Block> for BlockScales {
 
 impl From<&SpaceBody> for BlockScales {
     fn from(body: &SpaceBody) -> BlockScales {
-        BlockScales { alpha: body.edge_angle(), p: body.p, gravity: body.gravity }
+        BlockScales { alpha: body.edge_angle, p: body.p, gravity: body.gravity }
     }
 }
 

@@ -21,7 +21,7 @@ pub enum Limit {
     HalfCycles(f64),
     /// A tie or damper that breaks. A block that overturns exceeds it.
     Breaks,
-    /// A tilt of a block in space over that of its balance over the nearest edge (1). A block that overturns exceeds it.
+    /// A tilt of a block in space over that of its balance in the direction in which it leans (1). A block that overturns exceeds it.
     Tilt(f64),
     /// A twist of a block in space about the vertical, in either sense (rad). A block that overturns exceeds it.
     Twist(f64),
@@ -72,7 +72,7 @@ impl std::fmt::Display for Limit {
             Limit::Plastic(limit) => write!(f, "plastic>{limit}"),
             Limit::HalfCycles(limit) => write!(f, "half_cycles>{limit}"),
             Limit::Breaks => f.write_str("breaks"),
-            Limit::Tilt(limit) => write!(f, "tilt/alpha_edge>{limit}"),
+            Limit::Tilt(limit) => write!(f, "tilt/alpha>{limit}"),
             Limit::Twist(limit) => write!(f, "twist>{limit}"),
             Limit::Drift(limit) => write!(f, "drift>{limit}"),
         }
@@ -104,7 +104,7 @@ impl FromStr for Limit {
             "slip" => Some(Limit::Slip(limit)),
             "plastic" => Some(Limit::Plastic(limit)),
             "half_cycles" => Some(Limit::HalfCycles(limit)),
-            "tilt" | "tilt/alpha_edge" => Some(Limit::Tilt(limit)),
+            "tilt" | "tilt/alpha" => Some(Limit::Tilt(limit)),
             "twist" => Some(Limit::Twist(limit)),
             "drift" => Some(Limit::Drift(limit)),
             _ => None,
@@ -120,11 +120,12 @@ impl FromStr for Limit {
 }
 
 impl Limit {
-    /// The limit for blocks in space: a rotation is a tilt there.
+    /// The limit for blocks in space: a rotation is a tilt there, and the balance one of 1.
     #[must_use]
     pub fn in_space(self) -> Limit {
         match self {
             Limit::Rotation(limit) => Limit::Tilt(limit),
+            Limit::Balance => Limit::Tilt(1.0),
             limit => limit,
         }
     }
@@ -149,7 +150,7 @@ mod tests {
         assert_eq!("Breaks".parse(), Ok(Limit::Breaks));
         for (text, limit) in [
             ("tilt:0.5", Limit::Tilt(0.5)),
-            ("tilt/alpha_edge>0.5", Limit::Tilt(0.5)),
+            ("tilt/alpha>0.5", Limit::Tilt(0.5)),
             ("Twist>0.1", Limit::Twist(0.1)),
             ("drift:0.02", Limit::Drift(0.02)),
         ] {
@@ -157,7 +158,8 @@ mod tests {
             assert_eq!(limit.to_string().parse(), Ok(limit));
             assert_eq!(verdicts(limit, 0.7), [yes, yes, yes, yes, None]);
         }
-        assert_eq!([Limit::Rotation(0.5), Limit::Slip(0.5)].map(Limit::in_space), [Limit::Tilt(0.5), Limit::Slip(0.5)]);
+        let in_space = [Limit::Rotation(0.5), Limit::Balance, Limit::Slip(0.5)].map(Limit::in_space);
+        assert_eq!(in_space, [Limit::Tilt(0.5), Limit::Tilt(1.0), Limit::Slip(0.5)]);
         let without = |limit: Limit| End::ALL.map(|end| limit.verdict(end, None));
         assert_eq!(without(Limit::Overturned), [no, yes, None, None, None]);
         assert_eq!(without(Limit::Slip(0.1)), [None, yes, None, None, None], "a missing response stays below no limit");

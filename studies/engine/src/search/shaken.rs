@@ -59,6 +59,6 @@ impl Shaken for RunInSpace {
         let [x, y] = [0, 1].map(|i| self.ground.records[i].as_ref().map_or(&[][..], |record| &record.acceleration));
         let both = x.iter().enumerate().map(|(i, x)| libm::hypot(*x, y.get(i).copied().unwrap_or_default()));
         let pga = if self.ground.end().is_some() { both.fold(0.0, f64::max) } else { 1.0 };
-        [0.0, 10.0 * body.gravity * libm::tan(body.edge_angle()) / pga]
+        [0.0, 10.0 * body.gravity * libm::tan(body.edge_angle) / pga]
     }
 }

@@ -6,7 +6,7 @@ use rocking_block::space::{SpaceBody, SpaceEventKind, SpaceParameters, SpacePeak
 pub fn of_block(parameters: &SpaceParameters, body: &SpaceBody) -> [(&'static str, f64); 17] {
     [
         ("alpha", body.alpha),
-        ("alpha_edge", body.edge_angle()),
+        ("alpha_edge", body.edge_angle),
         ("p", body.p),
         ("omega_v", body.omega_v),
         ("xi_v", body.xi_v),
@@ -36,10 +36,11 @@ pub fn feet(body: &SpaceBody) -> Vec<[f64; 3]> {
 }
 
 /// The greatest values of a run: names and units.
-pub const PEAKS: [(&str, &str); 8] = [
+///
+/// `tilt/alpha` is the tilt over the critical one in the direction of the lean.
+pub const PEAKS: [(&str, &str); 7] = [
     ("tilt", "rad"),
     ("tilt/alpha", "1"),
-    ("tilt/alpha_edge", "1"),
     ("twist", "rad"),
     ("uplift", "m"),
     ("N", "N"),
@@ -48,15 +49,14 @@ pub const PEAKS: [(&str, &str); 8] = [
 ];
 
 /// Returns the greatest values of a run, in the order of [`PEAKS`].
-pub fn peaks(body: &SpaceBody, peaks: &SpacePeaks) -> [f64; PEAKS.len()] {
-    let tilt = peaks.tilt();
-    let (over_alpha, over_edge) = (tilt / body.alpha, tilt / body.edge_angle());
-    [tilt, over_alpha, over_edge, peaks.twist(), peaks.uplift, peaks.normal, peaks.slip, peaks.drift()]
+pub fn peaks(peaks: &SpacePeaks) -> [f64; PEAKS.len()] {
+    let &SpacePeaks { tilt_over_critical, uplift, normal, slip, .. } = peaks;
+    [peaks.tilt(), tilt_over_critical, peaks.twist(), uplift, normal, slip, peaks.drift()]
 }
 
 /// Returns the greatest values of a run by their names.
-pub fn of_peaks(body: &SpaceBody, of_run: &SpacePeaks) -> [(&'static str, f64); PEAKS.len()] {
-    let values = peaks(body, of_run);
+pub fn of_peaks(of_run: &SpacePeaks) -> [(&'static str, f64); PEAKS.len()] {
+    let values = peaks(of_run);
     std::array::from_fn(|place| (PEAKS[place].0, values[place]))
 }
 

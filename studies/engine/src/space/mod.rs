@@ -51,6 +51,8 @@ pub struct RunInSpace {
 pub struct RowInSpace {
     /// Motion, forces and feet.
     pub observation: SpaceObservation,
+    /// Tilt over the critical one in the direction of the lean (1).
+    pub tilt_over_critical: f64,
     /// Energies (J).
     pub energies: SpaceEnergies,
     /// Ground acceleration with the pulses (m/s²), along x, y and z.
@@ -246,7 +248,9 @@ impl RunInSpace {
             let pulse = directed.pulse.acceleration(time);
             ground.iter_mut().zip(directed.direction).for_each(|(ground, along)| *ground += pulse * along);
         }
-        RowInSpace { observation: run.observe(inputs), energies: run.energies(), ground }
+        let observation = run.observe(inputs);
+        let tilt_over_critical = observation.tilt_over_critical(&self.setup.body);
+        RowInSpace { observation, tilt_over_critical, energies: run.energies(), ground }
     }
 }
 

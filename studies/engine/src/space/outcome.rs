@@ -26,7 +26,7 @@ pub struct OutcomeInSpace {
     pub counts: SpaceCounts,
     /// Whether no foot touched at some time.
     pub separated: bool,
-    /// Tilt at the end over α (1).
+    /// Tilt at the end over the critical one in the direction of the lean (1).
     pub tilt: f64,
     /// Twist at the end (rad).
     pub twist: f64,
@@ -51,10 +51,10 @@ impl RunInSpace {
         OutcomeInSpace {
             end: if failure.is_some() { End::Failed } else { self.end(run) },
             end_time: state.ending.map_or(run.time(), |(_, time)| time),
-            peaks: facts::peaks(body, &state.peaks),
+            peaks: facts::peaks(&state.peaks),
             counts: state.counts,
             separated: state.separated,
-            tilt: seen.attitude.tilt / body.alpha,
+            tilt: seen.tilt_over_critical(body),
             twist: seen.attitude.twist,
             drift: seen.drift,
             failure,
@@ -83,7 +83,7 @@ impl RunOutcome for OutcomeInSpace {
     fn response(&self, limit: Limit) -> Option<f64> {
         let peak = |name: &str| PEAKS.iter().position(|(known, _)| *known == name).map(|place| self.peaks[place]);
         match limit {
-            Limit::Tilt(_) => peak("tilt/alpha_edge"),
+            Limit::Tilt(_) => peak("tilt/alpha"),
             Limit::Twist(_) => peak("twist"),
             Limit::Slip(_) => peak("slip"),
             Limit::Drift(_) => peak("drift"),

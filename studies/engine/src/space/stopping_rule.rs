@@ -25,7 +25,7 @@ const SLIP: f64 = 1e-4;
 /// At the balance over m feet the energy is `M g (R − h) − M g (δ_m − δ)/2`, with the deflections `δ_m = M g/(m K)` there and δ at rest. `None` on
 /// supports so soft that feet on the other side may still touch there.
 fn barrier(body: &SpaceBody) -> Option<f64> {
-    let (edge, h) = (body.edge_distance(), body.center_height);
+    let (edge, h) = (body.edge_distance, body.center_height);
     let radius = libm::hypot(edge, h);
     let weight = body.mass * body.gravity;
     let (sunk, at_rest) = (weight / body.stiffness, body.gravity / (body.omega_v * body.omega_v));
@@ -39,7 +39,7 @@ fn fraction_of_barrier(run: &SpaceRun) -> Option<f64> {
     let barrier = barrier(body)?;
     let tilt = run.observe(&still(run)).attitude.tilt;
     let fraction = run.energies().stored.total() / barrier;
-    (tilt < body.edge_angle() && fraction < BELOW_THE_BARRIER).then_some(fraction.max(0.0))
+    (tilt < body.edge_angle && fraction < BELOW_THE_BARRIER).then_some(fraction.max(0.0))
 }
 
 /// Whether a block stands for good without further excitation.
@@ -67,7 +67,7 @@ fn still(run: &SpaceRun) -> SpaceInputs {
 
 /// Returns a bound of the rocking period (s) at a fraction of the barrier: Housner's over the slowest edge or corner, and that on all feet.
 fn cycle(body: &SpaceBody, fraction: f64) -> f64 {
-    let (edge, h, gravity) = (body.edge_distance(), body.center_height, body.gravity);
+    let (edge, h, gravity) = (body.edge_distance, body.center_height, body.gravity);
     // No moment of inertia exceeds the sum of the others.
     let gyration = 0.5 * (0..3).map(|i| body.inertia[(i, i)]).sum::<f64>() / body.mass;
     let slowest =

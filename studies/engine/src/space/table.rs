@@ -13,9 +13,10 @@ use crate::space::{HistoryInSpace, RowInSpace, foot_names};
 type Column = (&'static str, &'static str, fn(&RowInSpace) -> f64);
 
 /// The columns of every table, named after the variables of the model.
-const COLUMNS: [Column; 43] = [
+const COLUMNS: [Column; 44] = [
     ("t", "s", |row| row.observation.time),
     ("tilt", "rad", |row| row.observation.attitude.tilt),
+    ("tilt/alpha", "1", |row| row.tilt_over_critical),
     ("tilt_x", "rad", |row| row.observation.attitude.tilt_x),
     ("tilt_y", "rad", |row| row.observation.attitude.tilt_y),
     ("azimuth", "rad", |row| row.observation.attitude.azimuth),

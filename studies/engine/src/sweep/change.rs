@@ -168,7 +168,7 @@ impl Change {
                 Ok(SpaceParameters { supports: feet(stiffness, damping * factor), ..parameters })
             }
             Change::FrictionOverThreshold(ratio) => {
-                Ok(SpaceParameters { friction: ratio * body.edge_distance() / body.center_height, ..parameters })
+                Ok(SpaceParameters { friction: ratio * body.edge_distance / body.center_height, ..parameters })
             }
             Change::Tied(_) => of_plane("ties"),
             Change::Damped(_) => of_plane("dampers"),

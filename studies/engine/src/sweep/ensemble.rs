@@ -169,7 +169,7 @@ pub(super) fn read(
     }
     let limit = |(number, word): (usize, &Word)| {
         const EXPECTED: &str = "a number > 0 for |theta|/alpha, \"balance\", \"breaks\", or a slip or plastic elongation in metres, as in \"slip:0.1\" or \"plastic:0.02\"";
-        const IN_SPACE: &str = "a number > 0 for the tilt over that of the balance, or \"twist:0.1\" in rad, \"slip:0.1\" or \"drift:0.1\" in metres";
+        const IN_SPACE: &str = "a number > 0 for the tilt over that of the balance, \"balance\", or \"twist:0.1\" in rad, \"slip:0.1\" or \"drift:0.1\" in metres";
         let limit = word.limit().ok().map(|limit| match vocabulary {
             Vocabulary::Plane => limit,
             Vocabulary::Space => limit.in_space(),

@@ -78,7 +78,7 @@ fn summary_in_space(parameters: &SpaceParameters, body: &SpaceBody) -> Summary {
     summary.entry("C", damping);
     summary.entry("delta_s", deflection);
     // The least ground acceleration over the nearest edge on rigid feet.
-    let slope = body.edge_distance() / body.center_height;
+    let slope = body.edge_distance / body.center_height;
     let (rocks, slides) = (slope * body.gravity, body.friction * body.gravity);
     match body.friction < slope {
         true => summary.item(

@@ -20,8 +20,8 @@ use rocking_studies::spec::words::Words;
 pub struct FitOptions {
     /// Limit to exceed: overturned, balance (the rotation that puts the centre of mass over the corner), a number such as 0.5 for
     /// |theta|/alpha > 0.5, in metres a slip such as slip:0.1 or a plastic elongation of a tie or damper such as plastic:0.02, or a
-    /// number of half cycles of the latter such as half_cycles:20, or breaks for a tie or damper that breaks; of blocks in space a number is the tilt over that of the balance over
-    /// the nearest edge, and there are twist:0.1 in rad and drift:0.1 in metres. By default overturned, or balance for blocks with ties. Counts the probabilities of ensembles if the table has them, else the
+    /// number of half cycles of the latter such as half_cycles:20, or breaks for a tie or damper that breaks; of blocks in space a number is the tilt over that of the balance in
+    /// the direction of the lean, balance is 1 of it, and there are twist:0.1 in rad and drift:0.1 in metres. By default overturned, or balance for blocks with ties. Counts the probabilities of ensembles if the table has them, else the
     /// outcomes of runs
     #[arg(long, value_name = "LIMIT")]
     pub limit: Option<Limit>,
@@ -85,7 +85,7 @@ impl FitOptions {
                 files.read_batches(&is_wanted, &mut |table: Table, headings| {
                     let first = before;
                     before += table.rows();
-                    take(SweepTable::batch(&name, table, headings.to_vec(), first), is_part)
+                    take(SweepTable::batch(&name, table, headings.to_vec(), first)?, is_part)
                 })?;
                 name
             }
@@ -104,7 +104,7 @@ impl FitOptions {
         let mut table = match self.files(path)? {
             Some(files) => {
                 let (table, headings) = files.read(&|_| true)?;
-                SweepTable::batch(&path.display().to_string(), table, headings, 0)
+                SweepTable::batch(&path.display().to_string(), table, headings, 0)?
             }
             None => {
                 let (name, text) = input::text(path)?;

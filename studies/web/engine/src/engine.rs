@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 use crate::ensemble;
 use crate::fields::{FieldError, Fields};
 use crate::inputs::{self, Inputs, Vertical};
-use crate::records::DroppedFile;
+use crate::records::{Direction, DroppedFile};
 use crate::specification::specification;
 use crate::{command, outcome, space, spectrum};
 
@@ -30,7 +30,7 @@ use crate::{command, outcome, space, spectrum};
 pub enum Request {
     /// Keeps a dropped file, whose bytes follow the request.
     File {
-        /// `record` or `vertical`.
+        /// `record`, `record_y` or `vertical`.
         slot: String,
         /// Name of the file.
         name: String,
@@ -123,7 +123,7 @@ const SERIES: [Series; 12] = [
 /// The files, the last run and the study of a page.
 #[derive(Default)]
 pub struct Engine {
-    files: [Option<DroppedFile>; 2],
+    files: [Option<DroppedFile>; Direction::ALL.len()],
     last: Option<LastRun>,
     /// Its rows are made in pieces.
     study: Option<Box<dyn Rows>>,
@@ -156,8 +156,9 @@ impl Engine {
     pub fn answer(&mut self, request: Request, bytes: &[u8]) -> Reply {
         let answered = match request {
             Request::File { slot, name } => {
-                let slot = usize::from(slot == "vertical");
-                self.files[slot] = (!bytes.is_empty()).then(|| DroppedFile { name, bytes: bytes.to_vec() });
+                let slot = Direction::ALL.into_iter().find(|direction| direction.field() == slot);
+                let file = (!bytes.is_empty()).then(|| DroppedFile { name, bytes: bytes.to_vec() });
+                self.files[slot.unwrap_or(Direction::Horizontal) as usize] = file;
                 Ok((json!({}), Vec::new()))
             }
             Request::Run { number, fields } => self.run(number, &fields),
@@ -184,7 +185,7 @@ impl Engine {
                 "studies of this page are for a block in the plane; rocking sweep makes them in space",
             ));
         }
-        inputs::read(fields, [self.files[0].as_ref(), self.files[1].as_ref()])
+        inputs::read(fields, self.files.each_ref().map(Option::as_ref))
     }
 
     fn run(&mut self, number: u64, fields: &BTreeMap<String, String>) -> Answer {
@@ -230,7 +231,7 @@ impl Engine {
     }
 
     fn run_in_space(&mut self, number: u64, fields: Fields) -> Answer {
-        let inputs = space::read(fields, [self.files[0].as_ref(), self.files[1].as_ref()])?;
+        let inputs = space::read(fields, self.files.each_ref().map(Option::as_ref))?;
         let history =
             inputs.run.history(|_| ()).map_err(|error| vec![FieldError::new("tolerance", error.to_string())])?;
         let json = space::reply(number, &inputs, &history);

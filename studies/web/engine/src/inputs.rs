@@ -15,7 +15,7 @@ use rocking_studies::spec::space::OF_PLANE;
 use rocking_studies::spec::{self, BlockSpec, GaborSpec, PulseSpec, SingleRunSpec, SpecError, limits, option};
 
 use crate::fields::{FieldError, Fields};
-use crate::records::{self, Direction, DroppedFile};
+use crate::records::{self, Direction, DroppedFile, Files};
 
 /// The run and its inputs, as described by the fields.
 #[derive(Debug)]
@@ -65,7 +65,7 @@ pub type Vertical = Option<(String, records::Settings)>;
 ///
 /// # Errors
 /// One for each field at fault.
-pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inputs, Vertical), Vec<FieldError>> {
+pub fn read(mut fields: Fields, files: Files) -> Result<(Inputs, Vertical), Vec<FieldError>> {
     let (mut spec, body_height) = spec(&mut fields, false);
     let block = match fields.has_errors() {
         true => None,
@@ -79,6 +79,8 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
         Excitation::Release => release(&mut fields),
         _ => (0.0, 0.0),
     };
+    let [horizontal, _, vertical_record] = unscaled;
+    let unscaled = Ground { horizontal, vertical: vertical_record };
     let Some(block) = block else { return Err(fields.into_errors()) };
     if fields.has_errors() {
         return Err(fields.into_errors());
@@ -90,7 +92,8 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<(Inp
     let ground = unscaled.clone().scaled(scale);
     let output_step = step.or(ground.time_step()).unwrap_or(0.01);
     let initial = Initial { theta, theta_dot, ..Initial::default() };
-    let description = describe(&excitation, &vertical, &ground, &pulse, block.gravity);
+    let components = [("", &ground.horizontal, excitation.name()), ("vertical ", &ground.vertical, name_of(&vertical))];
+    let description = describe(&excitation, &components, &pulse, block.gravity);
     let mut warnings = doubts::of_blocks([block]);
     warnings.extend(doubts::of_pulses([(pulse, block.gravity)], !ground.is_empty()));
     warnings.extend(doubtful);
@@ -117,8 +120,8 @@ pub struct Shaking {
     pub vertical: Vertical,
     /// The pulse, if it is the excitation.
     pub pulse: Pulse,
-    /// The records before scaling.
-    pub unscaled: Ground,
+    /// The records along x, y and z before scaling.
+    pub unscaled: [Option<Record>; 3],
     /// Factor on the records.
     pub scale: f64,
     /// Doubts about the records.
@@ -132,13 +135,13 @@ pub struct Shaking {
 }
 
 /// Reads the motion of the ground and the settings; this gravity (m/s²) converts records in g.
-pub fn shaking(fields: &mut Fields, files: [Option<&DroppedFile>; 2], gravity: f64) -> Shaking {
+pub fn shaking(fields: &mut Fields, files: Files, gravity: f64) -> Shaking {
     let (excitation, vertical) = excitation(fields, files);
     let pulse = match excitation {
         Excitation::Pulse => pulse(fields),
         _ => Pulse::NONE,
     };
-    let (unscaled, doubtful) = records::ground(fields, files, gravity);
+    let (unscaled, doubtful) = records::components(fields, files, gravity);
     let scale = match excitation {
         Excitation::Embedded | Excitation::File { .. } => fields.number("scale", |_| true, "a finite factor"),
         Excitation::Pulse | Excitation::Release => 1.0,
@@ -280,11 +283,14 @@ pub fn block_error(error: &BlockError, shape: &str) -> FieldError {
     FieldError::new(field, error.to_string())
 }
 
-fn excitation(fields: &mut Fields, files: [Option<&DroppedFile>; 2]) -> (Excitation, Vertical) {
+fn excitation(fields: &mut Fields, files: Files) -> (Excitation, Vertical) {
     let name = |file: Option<&DroppedFile>| file.map(|file| file.name.clone()).unwrap_or_default();
     let excitation = match fields.text("excitation") {
         "embedded" => Excitation::Embedded,
-        "file" => Excitation::File { name: name(files[0]), settings: records::settings(fields, Direction::Horizontal) },
+        "file" => Excitation::File {
+            name: name(files[Direction::Horizontal as usize]),
+            settings: records::settings(fields, Direction::Horizontal),
+        },
         "pulse" => Excitation::Pulse,
         "release" => Excitation::Release,
         other => {
@@ -297,7 +303,8 @@ fn excitation(fields: &mut Fields, files: [Option<&DroppedFile>; 2]) -> (Excitat
         Excitation::Embedded | Excitation::File { .. } => fields.one_of("vertical", &["none", "file"]),
         Excitation::Pulse | Excitation::Release => "none",
     };
-    let vertical = (vertical == "file").then(|| (name(files[1]), records::settings(fields, Direction::Vertical)));
+    let vertical = (vertical == "file")
+        .then(|| (name(files[Direction::Vertical as usize]), records::settings(fields, Direction::Vertical)));
     (excitation, vertical)
 }
 
@@ -326,26 +333,42 @@ fn pulse(fields: &mut Fields) -> Pulse {
     }
 }
 
-/// Describes the excitation as the program does.
-pub fn describe(excitation: &Excitation, vertical: &Vertical, ground: &Ground, pulse: &Pulse, gravity: f64) -> String {
+impl Excitation {
+    /// The name of the horizontal file.
+    pub fn name(&self) -> &str {
+        match self {
+            Excitation::Embedded => records::EMBEDDED.0,
+            Excitation::File { name, .. } => name,
+            Excitation::Pulse | Excitation::Release => "",
+        }
+    }
+}
+
+/// The name of a vertical file.
+pub fn name_of(vertical: &Vertical) -> &str {
+    vertical.as_ref().map_or("", |(name, _)| name)
+}
+
+/// Describes the excitation as the program does. Of each component there is a word, the record and the name of its file.
+pub fn describe(
+    excitation: &Excitation,
+    components: &[(&str, &Option<Record>, &str)],
+    pulse: &Pulse,
+    gravity: f64,
+) -> String {
     let one_line = |record: &Record| record.title.split_whitespace().collect::<Vec<_>>().join(" ");
     let title = |record: &Record, name: &str| match one_line(record) {
         title if title == name => title,
         title => format!("{name}: {title}"),
     };
     let strength = |record: &Record| significant(pga(record) / gravity, 3);
-    let name = match excitation {
-        Excitation::Embedded => records::EMBEDDED.0,
-        Excitation::File { name, .. } => name,
+    match excitation {
         Excitation::Pulse => return rocking_studies::spec::pulse::text(pulse),
         Excitation::Release => return "free motion".into(),
+        Excitation::Embedded | Excitation::File { .. } => (),
+    }
+    let part = |(word, record, name): &(&str, &Option<Record>, &str)| {
+        record.as_ref().map(|record| format!("{word}{}, {} g", title(record, name), strength(record)))
     };
-    let mut parts = Vec::new();
-    if let Some(record) = &ground.horizontal {
-        parts.push(format!("{}, {} g", title(record, name), strength(record)));
-    }
-    if let (Some(record), Some((name, _))) = (&ground.vertical, vertical) {
-        parts.push(format!("vertical {}, {} g", title(record, name), strength(record)));
-    }
-    parts.join(" + ")
+    components.iter().filter_map(part).collect::<Vec<_>>().join(" + ")
 }

@@ -1,6 +1,5 @@
 //! Dropped files and their settings → records.
 
-use rocking_block::excitation::records::Ground;
 use rocking_records::{Choice, Processing, ReadOptions, Record, Setting};
 use rocking_studies::input::ground_files::RecordOption;
 use rocking_studies::spec::limits;
@@ -27,20 +26,29 @@ pub struct DroppedFile {
 /// Direction of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// Horizontal.
+    /// Horizontal, in space along x.
     Horizontal,
+    /// Horizontal, in space along y.
+    SecondHorizontal,
     /// Vertical.
     Vertical,
 }
+
+/// The dropped files, in the order of [`Direction::ALL`].
+pub type Files<'f> = [Option<&'f DroppedFile>; Direction::ALL.len()];
 
 /// Settings of a file that the command line can name, with their values.
 pub type Settings = Vec<(String, String)>;
 
 impl Direction {
+    /// All directions.
+    pub const ALL: [Direction; 3] = [Direction::Horizontal, Direction::SecondHorizontal, Direction::Vertical];
+
     /// Name of the field of the file.
     pub fn field(self) -> &'static str {
         match self {
             Direction::Horizontal => "record",
+            Direction::SecondHorizontal => "record_y",
             Direction::Vertical => "vertical",
         }
     }
@@ -73,7 +81,7 @@ fn options(fields: &mut Fields, direction: Direction, gravity: f64) -> ReadOptio
         Direction::Vertical if fields.text("excitation") == "file" => {
             settings.or(&options(fields, Direction::Horizontal, gravity))
         }
-        Direction::Horizontal | Direction::Vertical => settings,
+        Direction::Horizontal | Direction::SecondHorizontal | Direction::Vertical => settings,
     }
 }
 
@@ -96,13 +104,8 @@ pub fn settings(fields: &Fields, direction: Direction) -> Settings {
 
 /// Reads a dropped file, with a warning if its content is doubtful. An error appears beside the setting that resolves it, or beside the
 /// file.
-fn read(
-    fields: &mut Fields,
-    direction: Direction,
-    file: Option<&DroppedFile>,
-    gravity: f64,
-) -> Option<(Record, Option<String>)> {
-    let Some(DroppedFile { name, bytes }) = file else {
+fn read(fields: &mut Fields, direction: Direction, files: Files, gravity: f64) -> Option<(Record, Option<String>)> {
+    let Some(DroppedFile { name, bytes }) = files[direction as usize] else {
         let expected = fields.text(&format!("{}_name", direction.field()));
         let expected = if expected.is_empty() { "an accelerogram" } else { expected };
         fields.refuse(FieldError::new(direction.field(), format!("no file yet; expected {expected}")));
@@ -126,8 +129,16 @@ fn read(
     }
 }
 
-/// Reads the ground motion that the fields choose, unscaled, and warns of doubtful files.
-pub fn ground(fields: &mut Fields, files: [Option<&DroppedFile>; 2], gravity: f64) -> (Ground, Vec<String>) {
+/// Whether the fields choose a file of the second horizontal component.
+pub fn has_second(fields: &mut Fields) -> bool {
+    let may_have = fields.text("body") == "space" && fields.text("excitation") == "file";
+    may_have && fields.one_of(Direction::SecondHorizontal.field(), &["none", "file"]) == "file"
+}
+
+/// Reads the ground motion that the fields choose, unscaled, along x, y and z, and warns of doubtful files.
+///
+/// A block in a plane has none along y. That of a block in space is a file beside that along x, with the same settings.
+pub fn components(fields: &mut Fields, files: Files, gravity: f64) -> ([Option<Record>; 3], Vec<String>) {
     let horizontal = match fields.text("excitation") {
         "embedded" => {
             let (name, bytes) = EMBEDDED;
@@ -137,15 +148,18 @@ pub fn ground(fields: &mut Fields, files: [Option<&DroppedFile>; 2], gravity: f6
                 .ok()
                 .map(|record| (record, None))
         }
-        "file" => read(fields, Direction::Horizontal, files[0], gravity),
+        "file" => read(fields, Direction::Horizontal, files, gravity),
         _ => return Default::default(),
     };
+    let second = match has_second(fields) {
+        true => read(fields, Direction::SecondHorizontal, files, gravity),
+        false => None,
+    };
     let vertical = match fields.text("vertical") {
-        "file" => read(fields, Direction::Vertical, files[1], gravity),
+        "file" => read(fields, Direction::Vertical, files, gravity),
         _ => None,
     };
-    let (horizontal, doubt) = horizontal.unzip();
-    let (vertical, vertical_doubt) = vertical.unzip();
-    let doubts = [doubt, vertical_doubt].into_iter().flatten().flatten().collect();
-    (Ground { horizontal, vertical }, doubts)
+    let read = [horizontal, second, vertical].map(Option::unzip);
+    let doubts = read.iter().filter_map(|(_, doubt)| doubt.clone().flatten()).collect();
+    (read.map(|(record, _)| record), doubts)
 }

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use crate::command::add_motion;
 use crate::fields::{FieldError, Fields};
 use crate::inputs::{self, Excitation, Shaking};
-use crate::records::DroppedFile;
+use crate::records::{self, Direction, Files};
 
 /// A run in space and what the page says of its inputs.
 #[derive(Debug)]
@@ -38,22 +38,24 @@ pub struct InputsInSpace {
 
 /// The names of the components in messages.
 const COMPONENTS: ComponentNames = ComponentNames {
-    names: ["the horizontal record", "", "the vertical record"],
-    resample: "expected files of one motion",
-    cut: "expected files of one motion",
+    names: ["the record along x", "the record along y", "the vertical record"],
+    resample: "--resample of the program gives all components one step",
+    cut: "cut the files to the samples that all have",
 };
 
 /// Reads the fields.
 ///
 /// # Errors
 /// One for each field at fault.
-pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<InputsInSpace, Vec<FieldError>> {
+pub fn read(mut fields: Fields, files: Files) -> Result<InputsInSpace, Vec<FieldError>> {
     let (spec, body_height) = inputs::spec(&mut fields, true);
     let limits = limits::properties::<SpaceSpec>();
     let [depth, kappa] = ["depth", "kappa"].map(|name| Some(fields.required(name, &limits[name])));
     let space = SpaceSpec { depth, kappa, ..SpaceSpec::default() };
     let azimuth = fields.number("azimuth", |_| true, "an angle in degrees");
     let shaking = inputs::shaking(&mut fields, files, spec.gravity());
+    let second = records::has_second(&mut fields).then(|| files[Direction::SecondHorizontal as usize]).flatten();
+    let second = second.map(|file| file.name.clone());
     let tilt = match shaking.excitation {
         Excitation::Release => fields.number("tilt", |tilt| tilt != 0.0, "a tilt over alpha, other than 0"),
         _ => 0.0,
@@ -65,19 +67,20 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<Inpu
     let made = made.and_then(|parameters| Ok((SpaceBody::new(&parameters)?, parameters)));
     let (body, parameters) = made.map_err(|error| vec![fault(&error, fields.text("shape"))])?;
     let Shaking { excitation, vertical, pulse, unscaled, scale, doubtful, settings, duration, step } = shaking;
-    let scaled = unscaled.clone().scaled(scale);
-    let description = inputs::describe(&excitation, &vertical, &scaled, &pulse, body.gravity);
+    let has_record = unscaled.iter().any(Option::is_some);
+    let time_step = unscaled.iter().flatten().map(|record| record.time_step).reduce(f64::min);
+    let ground = of_components(unscaled, azimuth.to_radians(), COMPONENTS);
+    let ground = ground.map_err(|message| vec![FieldError::new(field_of(&message), message)])?;
+    let ground: SpaceGround = ground.scaled_and_shifted(scale, 0.0);
+    let [x, y, z] = &ground.records;
+    let names = [excitation.name(), second.as_deref().unwrap_or_default(), inputs::name_of(&vertical)];
+    let components = [("x ", x, names[0]), ("y ", y, names[1]), ("vertical ", z, names[2])];
+    let description = inputs::describe(&excitation, &components, &pulse, body.gravity);
     let description = match excitation {
         Excitation::Release => description,
         _ if azimuth == 0.0 => description,
         _ => format!("{description}, azimuth {azimuth}°"),
     };
-    // Without a pulse, the program says which component a record is.
-    let description = if unscaled.is_empty() { description } else { format!("x {description}") };
-    let has_record = !unscaled.is_empty();
-    let time_step = unscaled.time_step();
-    let ground = of_components([unscaled.horizontal, None, unscaled.vertical], azimuth.to_radians(), COMPONENTS);
-    let ground = ground.map_err(|message| vec![FieldError::new("vertical", message)])?;
     let (sin, cos) = libm::sincos(azimuth.to_radians());
     let tilts = [tilt * body.alpha * cos, tilt * body.alpha * sin];
     let initial = SpaceInitial { tilt: tilts, ..SpaceInitial::default() };
@@ -92,6 +95,9 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<Inpu
         line.unless("tilt-x", tilts[0], 0.0).unless("tilt-y", tilts[1], 0.0);
     } else {
         add_motion(&mut line, (&excitation, &vertical), &pulse, scale, false);
+        if let Some(name) = &second {
+            line.option("record-y", name);
+        }
         line.unless("azimuth", azimuth, 0.0);
     }
     line.block_in_space(&spec, &space);
@@ -104,12 +110,19 @@ pub fn read(mut fields: Fields, files: [Option<&DroppedFile>; 2]) -> Result<Inpu
         }
     }
     line.option("csv", "history.csv");
-    let ground: SpaceGround = ground.scaled_and_shifted(scale, 0.0);
     let output_step = step.or(time_step).unwrap_or(0.01);
     let at_rest = RunInSpace::at_rest(parameters, body, settings).with_pulse(pulse, azimuth);
     let run = RunInSpace { initial, ground, duration, output_step, ..at_rest };
     inputs::check_rows(&mut fields, run.longest_duration() / output_step, step);
     fields.finish(InputsInSpace { run, description, warnings, command: line.text(), body_height })
+}
+
+/// The field of a component that does not belong to the others: the message begins with its name.
+fn field_of(message: &str) -> &'static str {
+    match message.starts_with(COMPONENTS.names[1]) {
+        true => Direction::SecondHorizontal.field(),
+        false => Direction::Vertical.field(),
+    }
 }
 
 /// The message of a block that cannot be, beside its field.
@@ -166,11 +179,10 @@ pub fn reply(number: u64, inputs: &InputsInSpace, history: &HistoryInSpace) -> V
 
 /// Describes the outcome in a sentence for laymen.
 fn sentence(run: &RunInSpace, history: &HistoryInSpace) -> String {
-    let body = &run.setup.body;
     let HistoryInSpace { peaks, counts, end, ending, rows, .. } = history;
     let last = rows.last().map_or(0.0, |row| row.observation.time);
     let time = significant(ending.map_or(last, |(_, time)| time), 3);
-    let part = significant(100.0 * peaks.tilt() / body.edge_angle(), 3);
+    let part = significant(100.0 * peaks.tilt_over_critical, 3);
     let twist = significant(peaks.twist().to_degrees(), 2);
     let outcome = match end {
         End::Overturned => {
@@ -182,10 +194,12 @@ fn sentence(run: &RunInSpace, history: &HistoryInSpace) -> String {
             format!("The block leaves the ground at {time} s, where the run ends. Let it fly to see whether it lands.")
         }
         End::Completed if counts.lift_offs == 0 => {
-            format!("The block stays on all feet. It tilts by at most {part} % of its balance over the nearest edge.")
+            format!(
+                "The block stays on all feet. It tilts by at most {part} % of its balance in the direction in which it leans."
+            )
         }
         End::Completed => format!(
-            "The block rocks to {part} % of its balance over the nearest edge, twists by up to {twist}° and stays upright."
+            "The block rocks to {part} % of its balance in the direction in which it leans, twists by up to {twist}° and stays upright."
         ),
         End::Undecided => {
             format!("Still undecided after {time} s: the run is too short to tell whether the block overturns.")
@@ -202,9 +216,9 @@ fn sentence(run: &RunInSpace, history: &HistoryInSpace) -> String {
 fn numbers(run: &RunInSpace, history: &HistoryInSpace) -> [(&'static str, String); 8] {
     let (body, peaks, counts) = (&run.setup.body, &history.peaks, &history.counts);
     let millimetres = |length: f64| format!("{} mm", significant(1e3 * length, 4));
-    let slope = body.edge_distance() / body.center_height;
+    let slope = body.edge_distance / body.center_height;
     [
-        ("Greatest tilt over that of the balance", significant(peaks.tilt() / body.edge_angle(), 4)),
+        ("Greatest tilt over that of the balance", significant(peaks.tilt_over_critical, 4)),
         ("Greatest twist", format!("{}°", significant(peaks.twist().to_degrees(), 4))),
         ("Greatest uplift of a foot", millimetres(peaks.uplift)),
         ("Greatest reaction of a foot", format!("{} M g", significant(peaks.normal / (body.mass * body.gravity), 4))),

@@ -215,26 +215,24 @@ fn prospect(run: &RunInSpace, history: &HistoryInSpace) -> &'static str {
 /// Adds the greatest values, and where the block stands at the end.
 fn add_peaks(summary: &mut Summary, body: &SpaceBody, history: &HistoryInSpace) {
     let (peaks, weight) = (&history.peaks, body.mass * body.gravity);
-    let edge = body.edge_angle();
     summary.item(
         "peak",
-        facts::of_peaks(body, peaks).into_iter().collect::<Object>(),
+        facts::of_peaks(peaks).into_iter().collect::<Object>(),
         "peak",
         format!(
-            "θ/α = {:.4} ({:.4} of the balance over the nearest edge), twist {:.2}°, uplift {:.1} mm, N of a foot {:.3} M g",
-            peaks.tilt() / body.alpha,
-            peaks.tilt() / edge,
+            "θ/α = {:.4} in the direction of the lean, twist {:.2}°, uplift {:.1} mm, N of a foot {:.3} M g",
+            peaks.tilt_over_critical,
             peaks.twist().to_degrees(),
             1e3 * peaks.uplift,
             peaks.normal / weight
         ),
     );
-    let Some(last) = history.rows.last().map(|row| &row.observation) else { return };
-    let ([x, y], attitude) = (last.drift, last.attitude);
+    let Some(last) = history.rows.last() else { return };
+    let ([x, y], attitude) = (last.observation.drift, last.observation.attitude);
     summary.item(
         "end",
         Object::from([
-            ("tilt/alpha", attitude.tilt / body.alpha),
+            ("tilt/alpha", last.tilt_over_critical),
             ("twist", attitude.twist),
             ("drift_x", x),
             ("drift_y", y),

@@ -30,7 +30,7 @@ const ASSESS: &str = "\
 [assess]
 title = \"Stone\"
 pulse_periods = [0.4]
-states = [{ name = \"twists\", limit = \"twist:0.01\" }, { name = \"rocks\", limit = 0.8 }, { name = \"overturns\", limit = \"overturned\" }]
+states = [{ name = \"twists\", limit = \"twist:0.01\" }, { name = \"rocks\", limit = 0.8 }, { name = \"passes\", limit = \"balance\" }, { name = \"overturns\", limit = \"overturned\" }]
 variants = [{ name = \"softer\", parameters = { kappa = 0.5 } }, { name = \"wider\", width = 1.2 }]
 sensitivity = { friction = [0.2, 0.6] }
 ";
@@ -70,7 +70,7 @@ fn the_numbers_in_space_are_those_of_the_single_commands() {
     let (twists, ends) = (table.column("peak.twist"), |row: usize| table.get(row, "outcome") == "overturned");
     let twisted = twists.iter().enumerate().filter(|(row, twist)| ends(*row) || **twist > 0.01).count();
     assert_eq!(report["states"][0]["runs"]["exceeded"], twisted);
-    for (state, limit) in [(1, "0.8"), (2, "overturned")] {
+    for (state, limit) in [(1, "0.8"), (2, "balance"), (3, "overturned")] {
         let state = &report["states"][state];
         let alone =
             json(folder, &["fragility", "runs.csv", "--im", "PGV.RotD50", "--limit", limit, "--plot-polar", "p.svg"]);
@@ -80,7 +80,8 @@ fn the_numbers_in_space_are_those_of_the_single_commands() {
             assert_eq!(state["curve"][key], alone["measures"][0][key], "{limit}: {key}");
         }
     }
-    assert_eq!(report["compared_state"], 2);
+    assert_eq!(report["states"][2]["limit"], "tilt/alpha>1");
+    assert_eq!(report["compared_state"], 3);
     let softer = overturned(folder, &STUDY.replace("kappa = 1", "kappa = 0.5"));
     assert_eq!(report["variants"][1]["runs"]["exceeded"], softer);
     assert_eq!(report["variants"][0]["runs"]["exceeded"], overturned(folder, STUDY));
@@ -156,10 +157,9 @@ fn what_an_assessment_in_space_has_not_is_refused_by_name() {
     for (old, new, expected) in [
         (
             "limit = 0.8",
-            "limit = \"balance\"",
+            "limit = \"plastic:0.1\"",
             "a limit for a block in the plane; expected overturned, or one in space",
         ),
-        ("limit = 0.8", "limit = \"plastic:0.1\"", "a limit for a block in the plane"),
         ("width = 1.2", "ties = 10", "wider: ties is for a block in the plane; expected a change without it"),
         ("width = 1.2", "dampers = 0.1", "wider: dampers is for a block in the plane"),
         (

@@ -84,7 +84,7 @@ fn rows_are_the_runs_of_simulate() {
         let run: Value = serde_json::from_str(&stdout(folder.path(), &line.split(' ').collect::<Vec<_>>())).unwrap();
         assert_eq!(run["outcome"], text("outcome"));
         assert_eq!(number(&run["end_time"]), of("end_time"), "row {row}");
-        for peak in ["tilt", "tilt/alpha", "tilt/alpha_edge", "twist", "uplift", "N", "slip", "drift"] {
+        for peak in ["tilt", "tilt/alpha", "twist", "uplift", "N", "slip", "drift"] {
             assert_eq!(number(&run["peak"][peak]), of(&format!("peak.{peak}")), "{peak} in row {row}");
         }
         for event in ["lift_offs", "landings", "slides", "sticks"] {
@@ -209,8 +209,9 @@ fn the_example_runs_and_its_curves_name_their_limits() {
         (printed, svg)
     };
     for (limit, word, picture) in [
-        ("0.7", "tilt/alpha_edge>0.7", "tilt above 0.7"),
-        ("tilt:0.7", "tilt/alpha_edge>0.7", "tilt above 0.7"),
+        ("0.7", "tilt/alpha>0.7", "tilt above 0.7"),
+        ("tilt:0.7", "tilt/alpha>0.7", "tilt above 0.7"),
+        ("balance", "tilt/alpha>1", "tilt above 1"),
         ("twist:0.02", "twist>0.02", "twist above 0.02 rad"),
         ("slip:0.02", "slip>0.02", "slip above 0.02 m"),
         ("drift:0.1", "drift>0.1", "drift above 0.1 m"),
@@ -223,8 +224,13 @@ fn the_example_runs_and_its_curves_name_their_limits() {
         let words = labels(&svg).join("\n");
         assert!(words.contains(picture) && words.contains("blocks in space"), "{picture} is not in {words}");
     }
-    let message = refusal(folder.path(), &["fragility", "s.csv", "--im", "PGV.RotD50", "--limit", "balance"]);
-    assert!(message.contains("the limit balance is for blocks in the plane"), "{message}");
+    // A former table has the tilt over that over the nearest edge, too.
+    let text = std::fs::read_to_string(folder.path().join("s.csv")).unwrap();
+    let former = text.replacen("peak.twist", "peak.tilt/alpha_edge", 1);
+    std::fs::write(folder.path().join("s.csv"), former).unwrap();
+    let message = refusal(folder.path(), &["fragility", "s.csv", "--im", "PGV.RotD50"]);
+    let expected = "s.csv: found the column peak.tilt/alpha_edge, of a former release; expected only peak.tilt/alpha";
+    assert!(message.contains(expected), "{message}");
 }
 
 #[test]
@@ -303,7 +309,7 @@ fn ensembles_vary_numbers_of_space() {
     let folder = folder(&study);
     stdout(folder.path(), &["sweep", "study.toml", "--csv", "s.csv"]);
     let table = Table::read(&folder.path().join("s.csv"));
-    let exceeded = table.column("ensemble.tilt/alpha_edge>0.6");
+    let exceeded = table.column("ensemble.tilt/alpha>0.6");
     assert!(exceeded.iter().any(|count| (1.0..4.0).contains(count)), "{exceeded:?}");
     assert!(table.column("P(twist>0.001)").iter().any(|p| *p > 0.0));
     std::fs::write(folder.path().join("study.toml"), study.replace("\nkappa = 0.8", "")).unwrap();
