@@ -237,7 +237,8 @@ impl SpaceRun {
         while self.state.time < until && self.state.ending.is_none() {
             let stop = next_kink(&self.setup.pulses, self.state.time).map_or(until, |kink| kink.min(until));
             self.smooth_piece(stop, after, inputs, &mut budget, observer)?;
-            if self.state.last_event > after && self.state.ending.is_none() {
+            // A run that ends says so itself; a block that is held from now on stops a step as by any event.
+            if self.state.last_event > after && (self.state.ending.is_none() || self.is_frozen()) {
                 return Ok(None);
             }
         }

@@ -1,6 +1,6 @@
 //! Steps that stop at events have the bits of whole ones.
 
-use crate::host::{Instance, Wanted};
+use crate::host::{Instance, Wanted, call};
 
 /// A block that rocks under a pulse.
 fn rocking(event_mode: bool, early_return: bool) -> Instance {
@@ -43,4 +43,39 @@ fn an_unhandled_event_is_applied_in_the_next_step() {
         here = forgotten.step(here, 4.0 - here).reached;
     }
     assert_eq!(handled.output_bits(), forgotten.output_bits());
+}
+
+/// Overturning and separation stop the step of a block that is held from then on, as other events do. A run that ends there tells their times.
+#[test]
+fn a_block_that_is_held_stops_the_step() {
+    let [overturning, separation] = [[12.0, 2.5, 0.0], [1.0, 1.2, 2.0]].map(|[amplitude, period, v_dot]| {
+        [("pulse.shape", 2.0), ("pulse.amplitude", amplitude), ("pulse.period", period), ("initial.v_dot", v_dot)]
+    });
+    for (choice, excitation) in [("on_overturning", overturning), ("on_separation", separation)] {
+        let run = |action: f64| {
+            let instance = Instance::new(Wanted { event_mode: true, early_return: true, ..Wanted::default() });
+            instance.set_all(&excitation);
+            instance.set_all(&[("on_separation", 3.0), (choice, action)]);
+            instance.initialize(true);
+            instance
+        };
+        let held = run(2.0);
+        let stops = held.step_by_events(0.0, 4.0, true);
+        let ended = run(1.0);
+        let mut last = 0.0;
+        loop {
+            let step = ended.step(last, 4.0 - last);
+            last = step.reached;
+            if step.terminates {
+                break;
+            }
+            if step.event {
+                ended.ok(call!(ended, enter_event_mode));
+                ended.handle_event();
+            }
+        }
+        assert!(0.0 < last && last < 4.0, "{choice}");
+        assert_eq!(stops.last(), Some(&last), "{choice}: {stops:?}");
+        assert_eq!((held.get("time"), held.get("theta_dot")), (4.0, 0.0), "{choice}");
+    }
 }
