@@ -97,6 +97,27 @@ pub struct Experiment {
     pub stop: Option<f64>,
 }
 
+impl Experiment {
+    /// Refuses times that are not finite or not in order, and a tolerance that is not a finite number above 0.
+    fn check(&self) -> Result<(), Fault> {
+        let Experiment { tolerance, start, stop } = *self;
+        if !start.is_finite() {
+            return Err(Fault::new(format!("startTime = {start:?}; expected a finite time")));
+        }
+        if let Some(stop) = stop
+            && !(stop.is_finite() && stop > start)
+        {
+            return Err(Fault::new(format!("stopTime = {stop:?}; expected a finite time after startTime = {start:?}")));
+        }
+        if let Some(tolerance) = tolerance
+            && !(tolerance.is_finite() && tolerance > 0.0)
+        {
+            return Err(Fault::new(format!("tolerance = {tolerance:?}; expected a finite number > 0")));
+        }
+        Ok(())
+    }
+}
+
 /// Largest error of a master's clock, relative to the greater of step and time.
 const CLOCK_ROUNDING: f64 = 1e-9;
 
@@ -129,7 +150,6 @@ impl LifeCycle {
 
     /// Whether this can be the life cycle of a saved state.
     pub fn is_valid(&self) -> bool {
-        let times = [self.experiment.start, self.left.unwrap_or(0.0)];
         let is_inside_a_step = matches!(self.phase, Phase::SettingAhead | Phase::ReadingOutputs);
         let stepped = matches!(self.phase, Phase::StepComplete | Phase::StepFailed);
         self.phase != Phase::Fatal
@@ -138,7 +158,8 @@ impl LifeCycle {
                 Interface::ModelExchange => !stepped,
             }
             && !is_inside_a_step
-            && times.iter().all(|x| x.is_finite())
+            && self.experiment.check().is_ok()
+            && self.left.is_none_or(f64::is_finite)
     }
 
     /// Sets tolerance, start and stop of the run. Returns the tolerance used if it differs from the requested one.
@@ -146,20 +167,9 @@ impl LifeCycle {
     /// # Errors
     /// Times that are not finite or not in order, or a tolerance that is not a finite number above 0.
     pub fn plan(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Option<f64>, Fault> {
-        if !start.is_finite() {
-            return Err(Fault::new(format!("startTime = {start:?}; expected a finite time")));
-        }
-        if let Some(stop) = stop
-            && !(stop.is_finite() && stop > start)
-        {
-            return Err(Fault::new(format!("stopTime = {stop:?}; expected a finite time after startTime = {start:?}")));
-        }
-        if let Some(tolerance) = tolerance
-            && !(tolerance.is_finite() && tolerance > 0.0)
-        {
-            return Err(Fault::new(format!("tolerance = {tolerance:?}; expected a finite number > 0")));
-        }
-        self.experiment = Experiment { tolerance, start, stop };
+        let experiment = Experiment { tolerance, start, stop };
+        experiment.check()?;
+        self.experiment = experiment;
         let [least, most] = Settings::TOLERANCES;
         let clamped = |tolerance: f64| tolerance.clamp(least, most);
         Ok(tolerance.filter(|&tolerance| clamped(tolerance) != tolerance).map(clamped))
@@ -182,6 +192,11 @@ impl LifeCycle {
             )));
         }
         let until = time + step;
+        if !until.is_finite() {
+            return Err(Fault::new(format!(
+                "communicationStepSize = {step:?} at t = {present:?} s; expected a step to a finite time"
+            )));
+        }
         if let Some(stop) = self.experiment.stop
             && until > stop + clock_slack(step, stop)
         {
@@ -202,5 +217,26 @@ impl LifeCycle {
     /// Leaves at `time` (s) the present step, which would have ended at `end` (s).
     pub fn leave_step(&mut self, time: f64, end: f64) {
         self.left = (time < end).then_some(end);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A saved state has no settings of a run that an importer could not set.
+    #[test]
+    fn impossible_settings_of_a_run_are_invalid() {
+        let is_valid = |tolerance: Option<f64>, start: f64, stop: Option<f64>| {
+            let life = LifeCycle::new(Interface::CoSimulation);
+            LifeCycle { experiment: Experiment { tolerance, start, stop }, ..life }.is_valid()
+        };
+        assert!(is_valid(None, 0.0, None) && is_valid(Some(1e-8), 1.0, Some(2.0)));
+        for tolerance in [f64::NAN, -1.0, 0.0, f64::INFINITY] {
+            assert!(!is_valid(Some(tolerance), 0.0, None), "{tolerance}");
+        }
+        for stop in [f64::NAN, f64::INFINITY, 1.0] {
+            assert!(!is_valid(None, 1.0, Some(stop)), "{stop}");
+        }
     }
 }

@@ -116,3 +116,13 @@ fn an_overflow_is_an_error_with_the_time_of_the_last_good_state() {
     instance.initialize(None);
     instance.step(0.0, 0.5);
 }
+
+#[test]
+fn a_step_to_no_finite_time_is_refused() {
+    let instance = Instance::new("block");
+    assert_eq!(instance.setup(None, 1e308, None), OK);
+    assert_eq!(call!(instance, enter_initialization_mode), OK);
+    assert_eq!(call!(instance, exit_initialization_mode), OK);
+    instance.refuses(instance.try_step(1e308, 1e308), &["communicationStepSize = 1e308", "a finite time"]);
+    assert_eq!(instance.real_status(LAST_SUCCESSFUL_TIME), Ok(1e308));
+}

@@ -128,3 +128,15 @@ fn other_directions_are_refused() {
     assert_eq!(call!(slave, exit_initialization_mode), OK);
     slave.refuses(derivative(&slave, "tilt", "q_w", 1.0), &["q_w", "expected an input"]);
 }
+
+/// Co-Simulation has the derivatives of blocks on any number of feet, those of a circle, too.
+#[test]
+fn a_block_on_a_circle_of_feet_has_derivatives() {
+    for base in [1.0, 2.0] {
+        let instance = Instance::new("block");
+        instance.set("base", base);
+        instance.initialize(None);
+        instance.go(0.0, 0.1, 0.05);
+        assert_eq!(derivatives(&instance, &[reference("u_ddot"), reference("w_ddot")], "a_gx"), [-1.0, 0.0], "{base}");
+    }
+}

@@ -121,6 +121,7 @@ impl<U: Fmu> Instance<U> {
             return self.get_scalars(Kind::Real, references, values, |value| value);
         }
         self.may_read(references)?;
+        fits(self.value_count(references), values.len())?;
         let mut found = Vec::with_capacity(values.len());
         for &reference in references {
             if is_float_of_fmi3::<U>(reference) {
@@ -130,7 +131,6 @@ impl<U: Fmu> Instance<U> {
                 found.push(self.unit.get(Kind::Real, reference)?);
             }
         }
-        fits(found.len(), values.len())?;
         let lost = found.iter().any(|number| !number.is_finite());
         write(found.into_iter().map(Ok), values)?;
         if lost { Ok(self.answer_without_numbers("a value")) } else { Ok(Status::Ok) }

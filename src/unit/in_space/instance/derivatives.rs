@@ -1,7 +1,7 @@
 //! Exact derivatives: of outputs in time, and of outputs in a direction of inputs, continuous states and time.
 
 use crate::space::SpaceInputs;
-use crate::space::motion::PER_FOOT;
+use crate::space::motion::{PER_FOOT, dimension};
 use crate::space::piece::OF_FEET;
 use crate::space::run::SpaceRates;
 use crate::unit::attributes::{Kind, find};
@@ -80,7 +80,7 @@ impl SpaceUnit {
         time: f64,
     ) -> Result<Vec<f64>, Fault> {
         let mut along = SpaceDirection { time: finite("time", time)?, ..SpaceDirection::default() };
-        let mut states = vec![0.0; self.state_count()];
+        let mut states = Vec::new();
         let mut rest = direction;
         for &known in knowns {
             let (components, others) = rest.split_at(rest.len().min(self.size(known)));
@@ -88,6 +88,7 @@ impl SpaceUnit {
             match self.states_of(known) {
                 Some(first) => {
                     let name = name(known)?;
+                    states.resize(self.state_count(), 0.0);
                     for (state, &component) in states[first..].iter_mut().zip(components) {
                         *state += finite(name, component)?;
                     }
@@ -95,19 +96,21 @@ impl SpaceUnit {
                 None => along.add(known, components)?,
             }
         }
-        self.along(unknowns, &along, &states)
+        self.along(unknowns, &along, states)
     }
 
-    /// Returns exact directional derivatives of outputs with respect to inputs, and to states of Model Exchange.
+    /// Returns exact directional derivatives of outputs with respect to inputs, and to states of Model Exchange if there are any.
     pub(super) fn along(
         &mut self,
         unknowns: &[u32],
         SpaceDirection { inputs, time }: &SpaceDirection,
-        states: &[f64],
+        mut states: Vec<f64>,
     ) -> Result<Vec<f64>, Fault> {
         self.preview()?;
         let run = self.run.as_ref().ok_or_else(no_block)?;
-        let now = run.along(&self.effective_inputs(), states, inputs, *time);
+        // Co-Simulation has blocks on any number of feet, whatever number is declared.
+        states.resize(dimension(run.body().count()), 0.0);
+        let now = run.along(&self.effective_inputs(), &states, inputs, *time);
         self.changes(unknowns, &now)
     }
 

@@ -426,7 +426,6 @@ impl Fmu for SpaceUnit {
         unknowns: &[u32],
         direction: &SpaceDirection,
     ) -> Result<impl Iterator<Item = Result<f64, Fault>>, Fault> {
-        let states = vec![0.0; self.state_count()];
-        Ok(self.along(unknowns, direction, &states)?.into_iter().map(Ok))
+        Ok(self.along(unknowns, direction, Vec::new())?.into_iter().map(Ok))
     }
 }
