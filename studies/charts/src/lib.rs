@@ -14,6 +14,8 @@
 //! | [`sketch`] | a block with its ties, or one in space → a sketch with dimensions |
 //! | [`history`], [`fragility`] | histories and fragilities → pages |
 //! | [`history_in_space`], [`plan`](mod@plan) | a history of a block in space → a page, and a view from above |
+//! | [`cloud`](mod@cloud) | rotations over a measure → their line and its scatter |
+//! | [`stripes`](mod@stripes) | fractions at levels of a measure → their curve |
 //! | [`directions`](mod@directions) | outcomes in space by the direction of the ground motion → a polar chart |
 //! | [`loops`](mod@loops) | a history → the loops of dampers and of ties that yield |
 //! | [`pushover`](mod@pushover) | the curve of a slow rotation → a page |
@@ -55,6 +57,10 @@ pub mod loops;
 pub mod pushover;
 
 pub mod fragility;
+
+pub mod cloud;
+
+pub mod stripes;
 
 pub mod directions;
 

@@ -23,8 +23,8 @@ use clap::error::ErrorKind;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use commands::{
-    assess, fit, foundations, fragility, frame, ida, merge, parts, portfolio, pulse, pushover, rate, record, schema,
-    search, shell, simulate, sketch, spectrum, sweep,
+    assess, cloud, fit, foundations, fragility, frame, ida, merge, parts, portfolio, pulse, pushover, rate, record,
+    schema, search, shell, simulate, sketch, spectrum, stripes, sweep,
 };
 use options::explicit::ExplicitOptions;
 use rocking_studies::output::resumable::TableWriteError;
@@ -60,6 +60,10 @@ enum Command {
     Merge(merge::MergeCommand),
     /// Incremental dynamic analysis: a table of runs at given or hunted levels, fractiles and a picture
     Ida(Box<ida::IdaCommand>),
+    /// Multiple-stripe analysis: a fragility curve and the fractions at levels of an intensity measure
+    Stripes(Box<stripes::StripesCommand>),
+    /// Cloud analysis: a line through rotations over an intensity measure, and the probability of overturning
+    Cloud(Box<cloud::CloudCommand>),
     /// Fit fragility curves to the table of a sweep and compare intensity measures
     Fragility(Box<fragility::FragilityCommand>),
     /// Compute the annual rate of overturning from a hazard curve and a fragility curve
@@ -165,6 +169,8 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Parts(options)) => parts::run(&options),
         Some(Command::Merge(options)) => merge::run(&options),
         Some(Command::Ida(options)) => ida::run(&options),
+        Some(Command::Stripes(options)) => runner::pool(None)?.install(|| stripes::run(&options, &explicit)),
+        Some(Command::Cloud(options)) => runner::pool(None)?.install(|| cloud::run(&options)),
         Some(Command::Fragility(options)) => runner::pool(None)?.install(|| fragility::run(&options, &explicit)),
         Some(Command::Rate(options)) => runner::pool(None)?.install(|| rate::run(&options, &explicit)),
         Some(Command::Search(options)) => search::run(&options, &explicit),

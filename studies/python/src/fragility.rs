@@ -15,7 +15,7 @@ use crate::options::{choice, finite, invalid, pool, whole};
 use crate::work::wait;
 
 /// Lower and upper ends. An end that the data do not bound is the limit of the possible values.
-type Ends = (f64, f64);
+pub type Ends = (f64, f64);
 
 /// Decided rows of a table, batch by batch; many are kept on disk.
 #[pyclass(module = "rocking_block._engine")]
@@ -134,47 +134,6 @@ pub fn verdicts<'py>(
         verdict.map_or(f64::NAN, |exceeds| f64::from(u8::from(exceeds)))
     };
     Ok(PyArray1::from_iter(py, codes.iter().zip(responses.iter()).map(verdict)))
-}
-
-/// A least-squares line, attributes in Python.
-#[pyclass(frozen, get_all, module = "rocking_block._engine")]
-pub struct Line {
-    coefficients: (f64, f64),
-    deviation: f64,
-    residuals: Py<PyArray1<f64>>,
-    standard_errors: (f64, f64),
-    intervals: (Ends, Ends),
-    p: f64,
-    independence: String,
-}
-
-/// Fits a line through points with the numbers of their ground motions, negative for points with their own, and intervals of this confidence.
-/// `cluster` is the column of the clusters, if it is not the motions.
-#[pyfunction]
-#[pyo3(signature = (x, y, motions, ci, cluster))]
-pub fn line(
-    py: Python<'_>,
-    x: PyReadonlyArray1<f64>,
-    y: PyReadonlyArray1<f64>,
-    motions: PyReadonlyArray1<i64>,
-    ci: f64,
-    cluster: Option<&str>,
-) -> Option<Line> {
-    let motions = motions.as_array();
-    let shared = motions.iter().max().map_or(0, |last| (last + 1).max(0) as usize);
-    let own = |(row, &motion): (usize, &i64)| usize::try_from(motion).unwrap_or(shared + row);
-    let motions: Vec<usize> = motions.iter().enumerate().map(own).collect();
-    let found = engine::Line::of(&x.as_array().to_vec(), &y.as_array().to_vec(), &motions)?;
-    let [a, b] = found.intervals(ci).map(|interval| ends(interval, f64::NEG_INFINITY, f64::INFINITY));
-    Some(Line {
-        coefficients: found.coefficients.into(),
-        deviation: found.deviation,
-        residuals: PyArray1::from_slice(py, &found.residuals).unbind(),
-        standard_errors: found.standard_errors.into(),
-        intervals: (a, b),
-        p: found.p(),
-        independence: found.independence.words(cluster),
-    })
 }
 
 /// Returns for each row of a block that stands whether it rocked, from its peak |θ|/α and the number of its lift-offs if they are known.
@@ -317,13 +276,13 @@ impl CurveNumbers {
 }
 
 /// Checks that measures are above zero.
-fn at(measures: &PyReadonlyArray1<f64>) -> PyResult<Vec<f64>> {
+pub fn at(measures: &PyReadonlyArray1<f64>) -> PyResult<Vec<f64>> {
     let measures = measures.as_array().to_vec();
     measures.iter().try_for_each(|&measure| finite("x", measure, |x| x > 0.0, "a measure > 0"))?;
     Ok(measures)
 }
 
-fn ends([low, high]: Interval, least: f64, greatest: f64) -> Ends {
+pub fn ends([low, high]: Interval, least: f64, greatest: f64) -> Ends {
     (low.unwrap_or(least), high.unwrap_or(greatest))
 }
 

@@ -29,6 +29,7 @@ mod assess;
 mod block;
 mod blocks;
 mod building;
+mod cloud;
 mod fit;
 mod foundations;
 mod fragility;
@@ -61,9 +62,10 @@ mod _engine {
         block::Block,
         blocks::{Blocks, parameter_unit},
         building::Building,
+        cloud::{Cloud, stripes, unrolled},
         fit::fit,
         foundations::{foundation_pairs, pad_support, soil_support},
-        fragility::{CaseStore, Fragility, Line, Motions, export_fragility, line, rocks, verdicts},
+        fragility::{CaseStore, Fragility, Motions, export_fragility, rocks, verdicts},
         frame::{frame_block, frame_response},
         history::history,
         ida::{Ida, describes_curve},

@@ -2,6 +2,7 @@
 
 use crate::fragility::assessment::{Assessment, Uncertainty};
 use crate::fragility::cases::{Case, Motions, RowCounts};
+use crate::fragility::ida::ROTATIONS;
 use crate::fragility::likelihood::Link;
 use crate::fragility::line::Line;
 use crate::fragility::observation::CurveFitError;
@@ -96,7 +97,7 @@ impl CloudRows {
         let rows: Vec<CloudRow> = self.rows.into_iter().map(|(_, row)| row).collect();
         let found = Cloud::of(&rows, &self.columns, confidence)?;
         let unknown = found.unknown + self.counts.all - self.counts.decided;
-        Ok(Cloud { unknown, rotation: if self.is_in_space { "tilt/alpha_edge" } else { "|θ|/α" }, ..found })
+        Ok(Cloud { unknown, rotation: ROTATIONS[usize::from(self.is_in_space)], ..found })
     }
 }
 
@@ -111,10 +112,8 @@ pub struct CloudSufficiency {
 
 /// The probability that blocks overturn, or rock, over the measure.
 pub struct Share {
-    /// Number of rows that do.
-    pub exceeded: usize,
-    /// Number of rows in all.
-    pub rows: usize,
+    /// Measure of each row, whether it does, and the number of its motion.
+    pub cases: Vec<(f64, bool, usize)>,
     /// The curve.
     pub curve: ShareCurve,
 }
@@ -129,7 +128,7 @@ pub enum ShareCurve {
 
 impl Share {
     /// Fits rows with their measures, whether they do, and their motions.
-    fn of(rows: &[(f64, bool, usize)], cluster: Option<&str>, confidence: f64) -> Result<Share, CurveFitError> {
+    fn of(rows: Vec<(f64, bool, usize)>, cluster: Option<&str>, confidence: f64) -> Result<Share, CurveFitError> {
         let exceeded = rows.iter().filter(|(_, does, _)| *does).count();
         let of_class =
             |class: bool| rows.iter().filter(move |(_, does, _)| *does == class).map(|(measure, ..)| *measure);
@@ -152,7 +151,12 @@ impl Share {
                 ShareCurve::Logistic(Box::new(found))
             }
         };
-        Ok(Share { exceeded, rows: rows.len(), curve })
+        Ok(Share { cases: rows, curve })
+    }
+
+    /// Number of rows that do, and of all rows.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.cases.iter().filter(|(_, does, _)| *does).count(), self.cases.len()]
     }
 
     /// The probability at a measure above zero.
@@ -237,7 +241,7 @@ impl Cloud {
         let mean = y.iter().sum::<f64>() / y.len() as f64;
         let scatter: f64 = y.iter().map(|y| (y - mean) * (y - mean)).sum();
         let left: f64 = line.residuals.iter().map(|residual| residual * residual).sum();
-        let share = |rows: &[(f64, bool, usize)]| Share::of(rows, cluster.as_deref(), confidence);
+        let share = |rows: Vec<(f64, bool, usize)>| Share::of(rows, cluster.as_deref(), confidence);
         let all: Vec<_> = known.iter().map(|(measure, motion, row)| (*measure, row.overturned, *motion)).collect();
         let standing = known.iter().filter(|(.., row)| !row.overturned);
         let standing: Vec<_> = standing.map(|(measure, motion, row)| (*measure, row.peak.is_some(), *motion)).collect();
@@ -245,13 +249,13 @@ impl Cloud {
             intervals: line.intervals(confidence),
             confidence,
             r_squared: 1.0 - left / scatter,
-            overturning: share(&all)?,
-            rocking: share(&standing)?,
+            overturning: share(all)?,
+            rocking: share(standing)?,
             unknown: rows.len() - known.len(),
             without_measure: rows.len() - known.len(),
             sufficiency,
             points,
-            rotation: "|θ|/α",
+            rotation: ROTATIONS[0],
             columns: columns.clone(),
             line,
         })
@@ -318,8 +322,8 @@ mod tests {
         let [a, b] = found.line.coefficients;
         assert!((libm::exp(a) - 2.0).abs() < 1e-12 && (b - 2.0).abs() < 1e-12 && found.r_squared > 1.0 - 1e-12);
         assert_eq!((found.points.len(), found.unknown, found.without_measure), (6, 2, 1));
-        assert_eq!((found.overturning.exceeded, found.overturning.rows), (1, 8));
-        assert_eq!((found.rocking.exceeded, found.rocking.rows), (6, 7));
+        assert_eq!(found.overturning.counts(), [1, 8]);
+        assert_eq!(found.rocking.counts(), [6, 7]);
         let threshold = (0.5_f64 * 0.7).sqrt();
         assert_eq!([0.99, 1.01].map(|by| found.overturning.probability(by * threshold)), [0.0, 1.0]);
         // At the median of a standing block that rocks, one half exceeds the rotation.

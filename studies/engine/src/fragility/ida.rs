@@ -23,7 +23,7 @@ pub struct Ida {
 }
 
 /// The rotation of blocks in the plane, and of those in space.
-const ROTATIONS: [&str; 2] = ["|θ|/α", "tilt over that of the balance"];
+pub(super) const ROTATIONS: [&str; 2] = ["|θ|/α", "tilt over that of the balance"];
 
 /// The response of a block to a ground motion of increasing strength.
 #[derive(Clone, Debug, PartialEq)]
