@@ -22,6 +22,7 @@
 //! | [`record`](mod@record) | a record → its acceleration, velocity and response spectrum |
 //! | [`frame`](mod@frame) | the history of a frame → its rotation, beam and forces |
 //! | [`rate`] | annual rates → pages |
+//! | [`ranking`](mod@ranking) | annual rates of several objects → a chart that ranks them |
 //! | [`pulse_fit`] | a record and the pulse fitted to it → a page |
 //! | [`mod@fit`] | tests and their fits → a page |
 //! | [`tornado`] | a result at both ends of several ranges → pages |
@@ -69,6 +70,8 @@ pub mod record;
 pub mod frame;
 
 pub mod rate;
+
+pub mod ranking;
 
 pub mod pulse_fit;
 
