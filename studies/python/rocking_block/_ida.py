@@ -53,7 +53,7 @@ class Ida(_engine.Ida):
         missing = np.flatnonzero(np.isnan(levels))
         if missing.size:
             raise ValueError(f"{im} is missing in row {missing[0]}; expected a level in each row")
-        found = super().__new__(cls, described, levels, peaks, outcomes_of(table).tolist())
+        found = super().__new__(cls, described, levels, peaks, outcomes_of(table).tolist(), numbers(table, "ties.broken") if "ties.broken" in table else None)
         found.im, found.unit, found.table = im, table.units.get(im, ""), table
         found._arguments = (table, im)
         return found
@@ -75,6 +75,11 @@ class Ida(_engine.Ida):
     def capacities(self) -> npt.NDArray[np.float64]:
         """For each curve, the least level that overturns and before it the greatest below that does not, shape (n, 2); nan without any."""
         return np.array(self.brackets(), dtype=np.float64).reshape(-1, 2)
+
+    @property
+    def breaks(self) -> Floats | None:
+        """For each curve, the least level at which a tie or damper breaks, shape (n,): nan where none does; None for blocks without either."""
+        return self.breaking_levels()
 
     def fractile(self, fraction: float) -> Floats:
         """Returns the peak |θ|/α [1] that this fraction of the curves does not exceed, at `levels`; inf is overturning, nan unknown.

@@ -24,14 +24,29 @@ impl Ida {
         levels: PyReadonlyArray1<f64>,
         peaks: PyReadonlyArray1<f64>,
         outcomes: Vec<String>,
+        broken: Option<PyReadonlyArray1<f64>>,
     ) -> PyResult<Ida> {
         let ends = outcomes.iter().map(|word| word.parse::<End>().map_err(invalid)).collect::<PyResult<Vec<_>>>()?;
         let numbers = levels.as_array().into_iter().copied().zip(peaks.as_array().into_iter().copied());
         let names = engine::curve_names(&described, ends.len()).map_err(invalid)?;
+        let breaks = broken.map(|broken| {
+            let rows = names.iter().cloned().zip(levels.as_array()).zip(broken.as_array());
+            rows.map(|((name, level), broken)| (name, *level, *broken > 0.0)).collect::<Vec<_>>()
+        });
         let rows = names.into_iter().zip(numbers).zip(ends);
         let rows =
             rows.map(|((name, (level, peak)), end)| (name, level, Some(peak).filter(|peak| !peak.is_nan()), end));
-        engine::Ida::of(rows).map(Ida).map_err(invalid)
+        let mut found = engine::Ida::of(rows).map_err(invalid)?;
+        if let Some(rows) = breaks {
+            found.mark_breaks(rows);
+        }
+        Ok(Ida(found))
+    }
+
+    /// Returns the least level at which a tie or damper breaks of each curve, nan where none does; `None` for blocks without either.
+    fn breaking_levels<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        let breaks = self.0.breaks.as_ref()?;
+        Some(PyArray1::from_iter(py, breaks.iter().map(|level| level.unwrap_or(f64::NAN))))
     }
 
     /// Returns the levels of the fractiles.
