@@ -33,7 +33,8 @@ impl CaseStore {
     /// of its runs without a verdict, the peak of the blocks that rock and stand, and the number of the ground motion, negative for rows with
     /// their own. A missing measure or peak is nan, and so is the fraction of a row without a known run.
     ///
-    /// `unknown_exceed` says whether runs without a verdict exceed the limit; without it they are left out.
+    /// A surface and a test of sufficiency also take the second measures. `unknown_exceed` says whether runs without a verdict exceed the limit; without it they are left out.
+    #[pyo3(signature = (places, measures, fractions, unknown, peaks, motions, unknown_exceed, seconds=None))]
     #[allow(clippy::too_many_arguments)]
     fn push(
         &mut self,
@@ -44,10 +45,12 @@ impl CaseStore {
         peaks: PyReadonlyArray1<f64>,
         motions: PyReadonlyArray1<i64>,
         unknown_exceed: Option<bool>,
+        seconds: Option<PyReadonlyArray1<f64>>,
     ) {
         let known = |value: f64| Some(value).filter(|value| !value.is_nan());
         let (places, measures, fractions) = (places.as_array(), measures.as_array(), fractions.as_array());
         let (unknown, peaks, motions) = (unknown.as_array(), peaks.as_array(), motions.as_array());
+        let seconds = seconds.as_ref().map(PyReadonlyArray1::as_array);
         for row in 0..places.len() {
             let fraction = known(fractions[row]);
             let Some(fraction) = (match unknown_exceed {
@@ -64,9 +67,57 @@ impl CaseStore {
                 peak: known(peaks[row]),
                 motion: usize::try_from(motions[row]).ok(),
             };
-            self.0.push(places[row] as u64, &case, [known(measures[row]), Some(1.0)]);
+            let second = seconds.as_ref().map_or(Some(1.0), |seconds| known(seconds[row]));
+            self.0.push(places[row] as u64, &case, [known(measures[row]), second]);
         }
     }
+}
+
+/// A surface over two measures, attributes in Python.
+#[pyclass(frozen, get_all, module = "rocking_block._engine")]
+pub struct Surface {
+    rows: usize,
+    coefficients: (f64, f64, f64),
+    standard_errors: (f64, f64, f64),
+    log_likelihood: f64,
+    auc: f64,
+    brier: f64,
+}
+
+/// Fits a surface to the rows of a store with second measures, which is empty then.
+#[pyfunction]
+pub fn surface(py: Python, store: &mut CaseStore, motions: &Motions, link: &str) -> PyResult<Surface> {
+    let link = choice("link", link, &[Link::Probit, Link::Logit])?;
+    let (store, motions, pool) = (std::mem::take(&mut store.0), motions.0.clone(), pool(None)?);
+    let found = py.detach(|| pool.install(|| engine::Surface::of(store, &motions, link))).map_err(invalid)?;
+    let (c, e) = (&found.fit.coefficients, &found.standard_errors);
+    Ok(Surface {
+        rows: found.rows,
+        coefficients: (c[0], c[1], c[2]),
+        standard_errors: (e[0], e[1], e[2]),
+        log_likelihood: found.fit.log_likelihood,
+        auc: found.auc,
+        brier: found.brier,
+    })
+}
+
+/// Returns the p-value of the hypothesis that the first measures of a store, which is empty then, are sufficient beside the second ones.
+#[pyfunction]
+pub fn sufficiency(py: Python, store: &mut CaseStore, motions: &Motions, link: &str) -> PyResult<f64> {
+    let link = choice("link", link, &[Link::Probit, Link::Logit])?;
+    let (store, motions, pool) = (std::mem::take(&mut store.0), motions.0.clone(), pool(None)?);
+    py.detach(|| pool.install(|| engine::sufficiency_of(store, &motions, link))).map_err(invalid)
+}
+
+/// Returns the probabilities at these values of a linear predictor.
+#[pyfunction]
+pub fn link_probabilities<'py>(
+    py: Python<'py>,
+    link: &str,
+    predictors: PyReadonlyArray1<f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let link = choice("link", link, &[Link::Probit, Link::Logit])?;
+    Ok(PyArray1::from_iter(py, predictors.as_array().iter().map(|predictor| link.probability(*predictor))))
 }
 
 /// The ground motions of a table, numbered from its columns batch by batch.

@@ -65,7 +65,10 @@ mod _engine {
         cloud::{Cloud, stripes, unrolled},
         fit::fit,
         foundations::{foundation_pairs, pad_support, soil_support},
-        fragility::{CaseStore, Fragility, Motions, export_fragility, rocks, verdicts},
+        fragility::{
+            CaseStore, Fragility, Motions, Surface, export_fragility, link_probabilities, rocks, sufficiency, surface,
+            verdicts,
+        },
         frame::{frame_block, frame_response},
         history::history,
         ida::{Ida, describes_curve},
