@@ -19,7 +19,7 @@ use std::any::TypeId;
 use std::io;
 use std::process::ExitCode;
 
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use commands::{
@@ -154,7 +154,37 @@ fn one_line(error: &clap::Error) -> String {
     let text = text.strip_prefix("error: ").unwrap_or(text).replace("\n\n  tip: ", "; ");
     let text = text.replace("invalid float literal", "expected a number");
     let text = text.replace("invalid digit found in string", "expected a whole number");
+    let text = text + &commands_with(error).map(|commands| format!("; {commands} it")).unwrap_or_default();
     text.split_whitespace().collect::<Vec<_>>().join(" ") + "; --help lists all options"
+}
+
+/// Names the commands that have the option that another one has not.
+fn commands_with(error: &clap::Error) -> Option<String> {
+    /// Commands that are named.
+    const MAX: usize = 4;
+    fn find(command: &clap::Command, path: &str, option: &str, found: &mut Vec<String>) {
+        let has = |arg: &clap::Arg| arg.get_long() == Some(option) && !arg.is_hide_set();
+        if command.get_arguments().any(has) {
+            found.push(format!("`{path}`"));
+        }
+        for sub in command.get_subcommands() {
+            find(sub, &format!("{path} {}", sub.get_name()), option, found);
+        }
+    }
+    let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg) else { return None };
+    let is_unknown = error.kind() == ErrorKind::UnknownArgument;
+    let option = option.strip_prefix("--").filter(|_| is_unknown)?;
+    let mut found = Vec::new();
+    find(&command(), "rocking", option, &mut found);
+    if found.len() > MAX {
+        found.truncate(MAX);
+        found.push("others".into());
+    }
+    match found.as_slice() {
+        [] => None,
+        [one] => Some(format!("{one} has")),
+        [first @ .., last] => Some(format!("{} and {last} have", first.join(", "))),
+    }
 }
 
 fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
