@@ -36,7 +36,8 @@ pub fn stripes(
     // On the side of the mark that is away from the curve.
     let note = |stripe: &Stripe| {
         let (fraction, text) = (stripe.fraction(), format!("{}/{}", short(stripe.exceeded), stripe.runs));
-        let [aside, above] = if fraction > found.fit.probability(&[stripe.level]) { [-0.03, 0.06] } else { [0.004, -0.05] };
+        let [aside, above] =
+            if fraction > found.fit.probability(&[stripe.level]) { [-0.03, 0.06] } else { [0.004, -0.05] };
         ((stripe.level + aside * x.end, fraction + above), text)
     };
     let chart = Chart {

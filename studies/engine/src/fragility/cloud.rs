@@ -328,7 +328,8 @@ mod tests {
         assert_eq!([0.99, 1.01].map(|by| found.overturning.probability(by * threshold)), [0.0, 1.0]);
         // At the median of a standing block that rocks, one half exceeds the rotation.
         assert!((found.exceedance(found.median(0.3), 0.3) - 0.5).abs() < 1e-9);
-        assert_eq!(found.exceedance(0.1, 0.05), 0.0);
+        // Below the threshold no block rocks, and none exceeds a rotation that the line would.
+        assert!(found.median(0.05) > 0.001 && found.exceedance(0.001, 0.05) == 0.0);
         assert_eq!(found.warnings(), ["1 rows without PGV are left out"]);
         let refused = |text: &str, beside: &[&str]| cloud(text, beside).err().unwrap();
         let few = "PGV,outcome,peak.theta/alpha\n1,completed,0.5\n2,completed,0.7\n";
