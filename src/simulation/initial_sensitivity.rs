@@ -63,6 +63,15 @@ impl Start {
             plastic: seen.restraints.map(|restraint| restraint.plastic.abs().eps),
             elongation: std::array::from_fn(|i| {
                 let elongation = seen.restraints[i].elongation;
+                if !block.restraints.pushes(i) {
+                    let shortening = -elongation;
+                    let rises = if shortening.re.abs() <= ROUNDING * block.r0.re {
+                        shortening.eps > 0.0
+                    } else {
+                        shortening.re > 0.0
+                    };
+                    return if rises { shortening.eps } else { 0.0 };
+                }
                 match goes_on.forcing.restraints.pull_of(i) {
                     None => 0.0,
                     // At rest it is zero to round-off, and grows to either side.

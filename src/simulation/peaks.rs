@@ -29,7 +29,7 @@ pub struct Peaks<T = f64> {
     pub pull: [T; restraints::MAX],
     /// Of their plastic elongations (m).
     pub plastic: [T; restraints::MAX],
-    /// Of the elongations (m) of those that push, too, while they act: their strokes.
+    /// Of the elongations (m) of those that push, too, while they act: their strokes. Of the others, of the shortenings.
     pub elongation: [T; restraints::MAX],
 }
 
@@ -179,7 +179,9 @@ impl Peaks {
     pub fn include_restraints(&mut self, now: &Evaluation) {
         for number in now.body.restraints.numbers() {
             self.include_pull(now.body, number, now.pull(number).re.abs());
-            self.elongation[number] = greater(self.elongation[number], now.stroke(number).re.abs());
+            let stroke = now.stroke(number).re;
+            let stroke = if now.body.restraints.pushes(number) { stroke.abs() } else { stroke };
+            self.elongation[number] = greater(self.elongation[number], stroke);
         }
         self.include_plastic(&now.plastic_elongations());
     }
@@ -204,17 +206,19 @@ impl Peaks {
             let mut pull = |elapsed: f64| inside(elapsed).pull(number);
             let most = roots::greatest(self.pull[number], start, end, duration, &mut pull);
             self.include_pull(here.body, number, most);
+            let mut signs: &[f64] = &[1.0];
             if here.body.restraints.pushes(number) {
                 let [start, end] = [-start, -end];
                 let mut pushed = |elapsed: f64| -inside(elapsed).pull(number);
                 let most = roots::greatest(self.pull[number], start, end, duration, &mut pushed);
                 self.include_pull(here.body, number, most);
-                for sign in [1.0, -1.0] {
-                    let [start, end] = [here, there].map(|now| now.stroke(number) * sign);
-                    let mut stroke = |elapsed: f64| inside(elapsed).stroke(number) * sign;
-                    let peak = &mut self.elongation[number];
-                    *peak = greater(*peak, roots::greatest(*peak, start, end, duration, &mut stroke));
-                }
+                signs = &[1.0, -1.0];
+            }
+            for &sign in signs {
+                let [start, end] = [here, there].map(|now| now.stroke(number) * sign);
+                let mut stroke = |elapsed: f64| inside(elapsed).stroke(number) * sign;
+                let peak = &mut self.elongation[number];
+                *peak = greater(*peak, roots::greatest(*peak, start, end, duration, &mut stroke));
             }
         }
     }

@@ -112,7 +112,7 @@ def test_commands_print_what_the_pages_say(tmp_path):
                 assert not expected or printed == expected, command
     assert len(place.printed) > 10
     pictures = place.pictures()
-    assert len(pictures) == 13
+    assert len(pictures) == 15
     for drawn, shown in pictures.items():
         assert drawn.read_bytes() == shown.read_bytes(), f"{shown} is not what the commands of the pages draw"
 

@@ -34,10 +34,15 @@ where
         self.forcing.restraints.pull_of(number).map_or_else(Dual::default, |function| sample(function, self))
     }
 
-    /// Returns the elongation (m) of the restraint with this number and its rate (m/s), if it pushes, too, and acts.
+    /// Returns the elongation (m) of the restraint with this number and its rate (m/s) if it pushes, too, and acts. Of one that only pulls
+    /// it is the shortening, slack and broken as well: its ends approach.
     pub fn stroke(&self, number: usize) -> Dual<T> {
-        let acts = self.body.restraints.pushes(number) && self.forcing.restraints.pull_of(number).is_some();
-        if acts { restraints::elongation(self.body, &Kinematics::of(&self.instant), number) } else { Dual::default() }
+        let elongation = || restraints::elongation(self.body, &Kinematics::of(&self.instant), number);
+        match self.body.restraints.pushes(number) {
+            false => -elongation(),
+            true if self.forcing.restraints.pull_of(number).is_some() => elongation(),
+            true => Dual::default(),
+        }
     }
 }
 

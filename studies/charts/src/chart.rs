@@ -13,7 +13,7 @@ use crate::canvas::{
 };
 use crate::formula::formula;
 use crate::line_style::LineStyle;
-use crate::numerals::tick;
+use crate::numerals::{significant, tick};
 
 /// Space for labels at the left of a chart, and at its right.
 pub const SIDES: [u32; 2] = [1800, 400];
@@ -137,6 +137,8 @@ pub struct Chart<'a> {
     pub balance: Option<[f64; 2]>,
     /// Names of ordinates, in place of numbers.
     pub names: Vec<(f64, Cow<'static, str>)>,
+    /// Names of abscissas, in place of numbers.
+    pub abscissas: Vec<(f64, Cow<'static, str>)>,
     /// Vertical lines.
     pub verticals: Vec<(LineStyle, f64)>,
     /// Texts, left-aligned at a point of the chart.
@@ -193,6 +195,9 @@ impl Chart<'_> {
         if !self.names.is_empty() {
             mesh.disable_y_mesh().y_labels(0);
         }
+        if !self.abscissas.is_empty() {
+            mesh.disable_x_mesh().x_labels(0);
+        }
         mesh.draw()?;
         self.draw_shades(&mut chart)?;
         let at = |x: f64, y: f64| chart.backend_coord(&(x, y));
@@ -216,6 +221,10 @@ impl Chart<'_> {
         for (ordinate, name) in &self.names {
             let (left, middle) = at(x.start, *ordinate);
             root.draw_text(name.as_ref(), &anchored(0.9 * TEXT, HPos::Right, VPos::Center), (left - 150, middle))?;
+        }
+        for (abscissa, name) in &self.abscissas {
+            let (middle, bottom) = at(*abscissa, y.start);
+            root.draw_text(name.as_ref(), &anchored(0.9 * TEXT, HPos::Center, VPos::Top), (middle, bottom + 130))?;
         }
         if !self.message.is_empty() {
             let [x, y] = [x, y].map(|range| 0.5 * (range.start + range.end));
@@ -306,6 +315,31 @@ impl OutcomeBar {
         }
         outline(root, [(pixel(self.range.start), top), (pixel(self.range.end), bottom)], 20)
     }
+}
+
+/// Returns the ticks of a logarithmic axis between two numbers above zero: the decimal logarithm of each and its name. They are powers of ten,
+/// and the doubles and halves of them over few.
+pub fn logarithmic(range: &Range<f64>) -> Vec<(f64, Cow<'static, str>)> {
+    /// Ticks at most, so that their names do not overlap.
+    const MAX: i32 = 12;
+    let [first, last] = [range.start, range.end].map(|end| libm::floor(libm::log10(end)) as i32);
+    let decades = last - first + 1;
+    let multiples: &[f64] = if 3 * decades <= MAX { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let step = (decades / MAX + 1) as usize;
+    let of_power = |power: i32| {
+        // A division has the bits of the number as it is read.
+        let number = move |multiple: f64| match power {
+            0.. => multiple * 10_f64.powi(power),
+            _ => multiple / 10_f64.powi(-power),
+        };
+        multiples.iter().map(move |multiple| number(*multiple))
+    };
+    let all = (first..=last).step_by(step).flat_map(of_power);
+    let name = |number: f64| match number {
+        1e-3..1e4 => significant(number, 1),
+        _ => format!("{number:e}"),
+    };
+    all.filter(|number| range.contains(number)).map(|number| (libm::log10(number), name(number).into())).collect()
 }
 
 /// Returns the height of the outcome bars of a chart.

@@ -474,7 +474,12 @@ mod tests {
             responses: vec![Response::Stands(0.01 * number as f64), Response::Overturns],
         };
         let picture = |count: usize| {
-            let found = Ida { levels: vec![0.1, 0.2], curves: (1..=count).map(curve).collect(), rotation: "|θ|/α" };
+            let found = Ida {
+                levels: vec![0.1, 0.2],
+                curves: (1..=count).map(curve).collect(),
+                rotation: "|θ|/α",
+                breaks: None,
+            };
             ida("", &found, "PGV [m/s]").unwrap()
         };
         let [few, many] = [MAX_CURVES, MAX_CURVES + 1].map(picture);

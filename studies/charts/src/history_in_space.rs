@@ -199,13 +199,35 @@ pub fn block_line(parameters: &SpaceParameters, body: &SpaceBody) -> String {
         [x, y] => format!(", e_x = {} m, e_y = {} m", significant(x, 5), significant(y, 5)),
     };
     format!(
-        "{base}, h = {} m, α = {} rad, p = {} rad/s, ω_v = {} rad/s, ξ_v = {}, κ = {}, μ = {}{eccentricity}",
+        "{base}, h = {} m, α = {} rad, p = {} rad/s, ω_v = {} rad/s, ξ_v = {}, κ = {}, {}{eccentricity}",
         significant(body.center_height, 5),
         short(body.alpha),
         short(body.p),
         short(body.omega_v),
         short(body.xi_v),
         short(parameters.kappa),
-        short(body.friction)
+        friction(body).map_or("feet that do not slide".into(), |friction| format!("μ = {}", short(friction)))
     )
+}
+
+/// Returns the coefficient of friction μ of feet that may slide. From the default on it is no limit.
+pub(crate) fn friction(body: &SpaceBody) -> Option<f64> {
+    Some(body.friction).filter(|friction| *friction < SpaceParameters::default().friction)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The default friction stands for no limit, and no line writes its number.
+    #[test]
+    fn friction_is_written_where_it_limits() {
+        let line = |friction: f64| {
+            let parameters = SpaceParameters { friction, ..SpaceParameters::default() };
+            block_line(&parameters, &SpaceBody::new(&parameters).unwrap())
+        };
+        assert!(line(0.35).ends_with("κ = 1, μ = 0.35"), "{}", line(0.35));
+        let plain = line(SpaceParameters::default().friction);
+        assert!(plain.ends_with("feet that do not slide") && !plain.contains("μ = "), "{plain}");
+    }
 }

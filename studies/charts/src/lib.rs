@@ -14,12 +14,15 @@
 //! | [`sketch`] | a block with its ties, or one in space → a sketch with dimensions |
 //! | [`history`], [`fragility`] | histories and fragilities → pages |
 //! | [`history_in_space`], [`plan`](mod@plan) | a history of a block in space → a page, and a view from above |
+//! | [`cloud`](mod@cloud) | rotations over a measure → their line and its scatter |
+//! | [`stripes`](mod@stripes) | fractions at levels of a measure → their curve |
 //! | [`directions`](mod@directions) | outcomes in space by the direction of the ground motion → a polar chart |
 //! | [`loops`](mod@loops) | a history → the loops of dampers and of ties that yield |
 //! | [`pushover`](mod@pushover) | the curve of a slow rotation → a page |
 //! | [`record`](mod@record) | a record → its acceleration, velocity and response spectrum |
 //! | [`frame`](mod@frame) | the history of a frame → its rotation, beam and forces |
 //! | [`rate`] | annual rates → pages |
+//! | [`ranking`](mod@ranking) | annual rates of several objects → a chart that ranks them |
 //! | [`pulse_fit`] | a record and the pulse fitted to it → a page |
 //! | [`mod@fit`] | tests and their fits → a page |
 //! | [`tornado`] | a result at both ends of several ranges → pages |
@@ -56,6 +59,10 @@ pub mod pushover;
 
 pub mod fragility;
 
+pub mod cloud;
+
+pub mod stripes;
+
 pub mod directions;
 
 pub mod record;
@@ -63,6 +70,8 @@ pub mod record;
 pub mod frame;
 
 pub mod rate;
+
+pub mod ranking;
 
 pub mod pulse_fit;
 

@@ -38,8 +38,10 @@ enum Quantity {
     Pull(usize),
     /// Its plastic elongation.
     Plastic(usize),
-    /// Its elongation.
-    Elongation(usize),
+    /// Its elongation to either side, of a damper.
+    Stroke(usize),
+    /// Its shortening, of a tie.
+    Shortening(usize),
 }
 
 const CHANNELS: [Channel; 5] =
@@ -137,7 +139,8 @@ impl PeakSegments {
             }),
             plastic: std::array::from_fn(|i| peak(Quantity::Plastic(i), peaks.plastic[i], &self.plastics[i])),
             elongation: std::array::from_fn(|i| {
-                peak(Quantity::Elongation(i), peaks.elongation[i], &self.elongations[i])
+                let quantity = if block.restraints.pushes(i) { Quantity::Stroke(i) } else { Quantity::Shortening(i) };
+                peak(quantity, peaks.elongation[i], &self.elongations[i])
             }),
         }
     }
@@ -180,7 +183,8 @@ fn samples(quantity: Quantity, [now, along]: &[Observation<Number>; 2]) -> Vec<(
     let values = |x: &Observation<Number>| match quantity {
         Quantity::Pull(number) => vec![size(x.restraints[number].pull)],
         Quantity::Plastic(number) => vec![size(x.restraints[number].plastic)],
-        Quantity::Elongation(number) => vec![x.restraints[number].elongation, -x.restraints[number].elongation],
+        Quantity::Stroke(number) => vec![x.restraints[number].elongation, -x.restraints[number].elongation],
+        Quantity::Shortening(number) => vec![-x.restraints[number].elongation],
         Quantity::Channel(Channel::Theta) => vec![x.theta, -x.theta],
         Quantity::Channel(Channel::Reaction) => x.reaction.to_vec(),
         Quantity::Channel(Channel::Horizontal) => vec![x.horizontal, -x.horizontal],

@@ -19,12 +19,12 @@ use std::any::TypeId;
 use std::io;
 use std::process::ExitCode;
 
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use commands::{
-    assess, fit, foundations, fragility, frame, ida, merge, parts, portfolio, pulse, pushover, rate, record, schema,
-    search, shell, simulate, sketch, spectrum, sweep,
+    assess, cloud, fit, foundations, fragility, frame, ida, merge, parts, portfolio, pulse, pushover, rate, record,
+    schema, search, shell, simulate, sketch, spectrum, stripes, sweep,
 };
 use options::explicit::ExplicitOptions;
 use rocking_studies::output::resumable::TableWriteError;
@@ -60,6 +60,10 @@ enum Command {
     Merge(merge::MergeCommand),
     /// Incremental dynamic analysis: a table of runs at given or hunted levels, fractiles and a picture
     Ida(Box<ida::IdaCommand>),
+    /// Multiple-stripe analysis: a fragility curve and the fractions at levels of an intensity measure
+    Stripes(Box<stripes::StripesCommand>),
+    /// Cloud analysis: a line through rotations over an intensity measure, and the probability of overturning
+    Cloud(Box<cloud::CloudCommand>),
     /// Fit fragility curves to the table of a sweep and compare intensity measures
     Fragility(Box<fragility::FragilityCommand>),
     /// Compute the annual rate of overturning from a hazard curve and a fragility curve
@@ -150,7 +154,37 @@ fn one_line(error: &clap::Error) -> String {
     let text = text.strip_prefix("error: ").unwrap_or(text).replace("\n\n  tip: ", "; ");
     let text = text.replace("invalid float literal", "expected a number");
     let text = text.replace("invalid digit found in string", "expected a whole number");
+    let text = text + &commands_with(error).map(|commands| format!("; {commands} it")).unwrap_or_default();
     text.split_whitespace().collect::<Vec<_>>().join(" ") + "; --help lists all options"
+}
+
+/// Names the commands that have the option that another one has not.
+fn commands_with(error: &clap::Error) -> Option<String> {
+    /// Commands that are named.
+    const MAX: usize = 4;
+    fn find(command: &clap::Command, path: &str, option: &str, found: &mut Vec<String>) {
+        let has = |arg: &clap::Arg| arg.get_long() == Some(option) && !arg.is_hide_set();
+        if command.get_arguments().any(has) {
+            found.push(format!("`{path}`"));
+        }
+        for sub in command.get_subcommands() {
+            find(sub, &format!("{path} {}", sub.get_name()), option, found);
+        }
+    }
+    let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg) else { return None };
+    let is_unknown = error.kind() == ErrorKind::UnknownArgument;
+    let option = option.strip_prefix("--").filter(|_| is_unknown)?;
+    let mut found = Vec::new();
+    find(&command(), "rocking", option, &mut found);
+    if found.len() > MAX {
+        found.truncate(MAX);
+        found.push("others".into());
+    }
+    match found.as_slice() {
+        [] => None,
+        [one] => Some(format!("{one} has")),
+        [first @ .., last] => Some(format!("{} and {last} have", first.join(", "))),
+    }
 }
 
 fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
@@ -165,6 +199,8 @@ fn run_with(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(Command::Parts(options)) => parts::run(&options),
         Some(Command::Merge(options)) => merge::run(&options),
         Some(Command::Ida(options)) => ida::run(&options),
+        Some(Command::Stripes(options)) => runner::pool(None)?.install(|| stripes::run(&options, &explicit)),
+        Some(Command::Cloud(options)) => runner::pool(None)?.install(|| cloud::run(&options)),
         Some(Command::Fragility(options)) => runner::pool(None)?.install(|| fragility::run(&options, &explicit)),
         Some(Command::Rate(options)) => runner::pool(None)?.install(|| rate::run(&options, &explicit)),
         Some(Command::Search(options)) => search::run(&options, &explicit),

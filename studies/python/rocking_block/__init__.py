@@ -30,6 +30,7 @@ from rocking_block._record import Record, read_record, records_from
 from rocking_block._run import Counts, Energy, Event, Gradient, Grazing, Peak, Run
 from rocking_block._search import Search, search_damping, search_overturning
 from rocking_block._studies import blocks, outcomes, spectrum, sweep
+from rocking_block._surface import Surface
 from rocking_block._table import Table, read_table
 from rocking_block._tie import Damper, Tie
 
@@ -73,6 +74,7 @@ __all__ = [
     "Share",
     "Stripes",
     "Sufficiency",
+    "Surface",
     "Table",
     "Test",
     "TestFit",

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -45,16 +46,25 @@ class Share:
     """Rows that do."""
     rows: int
     """Rows in all."""
-    fit: Fragility | None
-    """The logistic regression on ln IM; None where one class is empty or a measure separates both."""
     threshold: float
-    """Without a fit, the measure from which all do: 0 if all do, inf if none does, otherwise between the classes, in their geometric mean."""
+    """Without a fit, the measure from which all do: 0 if all do, inf if none does, otherwise between the classes, in their geometric mean; nan with a fit."""
+    _found: _engine.Cloud = field(repr=False)
+    _is_rocking: bool = field(repr=False)
+
+    @cached_property
+    def fit(self) -> Fragility | None:
+        """The logistic regression on ln IM; None where one class is empty or a measure separates both."""
+        if not math.isnan(self.threshold):
+            return None
+        measures, does, motions = self._found.cases(self._is_rocking)
+        *_, ci, cluster = self._found.__getnewargs__()
+        assert isinstance(ci, float) and isinstance(cluster, str | None)
+        rows = {"IM": measures, "outcome": does, cluster or "motion": motions}
+        return fragility(Table(rows), "IM", link="logit", ci=ci, cluster=cluster)
 
     def curve(self, x: npt.ArrayLike) -> Floats:
         """Returns the probability [1] at measures `x` > 0."""
-        if self.fit is not None:
-            return self.fit.curve(x)
-        return (np.asarray(x, dtype=np.float64) >= self.threshold).astype(np.float64)
+        return _at(x, lambda measures: self._found.probabilities(self._is_rocking, measures))
 
 
 @dataclass(frozen=True)
@@ -99,6 +109,7 @@ class Cloud:
     """The measure of each row behind the line, shape (n,)."""
     rotations: Floats = field(repr=False)
     """Its peak |θ|/α, shape (n,)."""
+    _found: _engine.Cloud = field(repr=False)
 
     @property
     def efficiency(self) -> float:
@@ -108,22 +119,19 @@ class Cloud:
     @property
     def proficiency(self) -> float:
         """The scatter over the slope, `beta / b`: the smaller, the better the measure (Padgett and others, 2008)."""
-        return self.beta / self.b
+        return self._found.proficiency
 
     def median(self, x: npt.ArrayLike) -> Floats:
         """Returns the median |θ|/α [1] of blocks that rock and stand, at measures `x` > 0."""
-        return np.exp(self.a + self.b * np.log(np.asarray(x, dtype=np.float64)))
+        return _at(x, self._found.medians)
 
     def curve(self, x: npt.ArrayLike, limit: float | Literal["overturned"] = "overturned") -> Floats:
         """Returns the probability [1] of overturning, or of exceeding a rotation |θ|/α > 0, at measures `x` > 0 of any shape."""
-        collapse = self.overturning.curve(x)
         if limit == "overturned":
-            return collapse
+            return self.overturning.curve(x)
         if isinstance(limit, str | bool) or not 0.0 < limit < np.inf:
             raise ValueError(f'limit = {limit!r}; expected "overturned" or a rotation |θ|/α > 0')
-        above = (np.log(self.median(x)) - math.log(limit)) / self.beta
-        exceeds: Floats = 0.5 * np.vectorize(math.erfc)(-above / math.sqrt(2.0))
-        return collapse + (1.0 - collapse) * self.rocking.curve(x) * exceeds
+        return _at(x, lambda measures: self._found.exceedances(limit, measures))
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draws the rotations, the median and one standard deviation about it, with Matplotlib; ticks above are runs that overturn."""
@@ -179,65 +187,46 @@ def cloud(
     table, im = _runs(table, im)
     if "ensemble.samples" in table:
         raise ValueError("found an ensemble; expected the rotation and the outcome of a single run in each row")
-    if not 0.0 < ci < 1.0:
-        raise ValueError(f"ci = {ci}; expected a number above 0 and below 1")
-    measure, overturned, _, peak, motions = rows_of(cases_of(table, Question(im, "overturned", cluster)))
-    known = ~np.isnan(measure) & ~np.isnan(overturned)
-    missing = int((np.isnan(measure) & ~np.isnan(overturned)).sum())
-    if missing:
-        warnings.warn(f"{missing} rows without {im} are left out", stacklevel=2)
-    measure, overturned, peak, motions = measure[known], overturned[known], peak[known], motions[known]
-    if (measure <= 0.0).any():
-        raise ValueError(f"{im} = {measure.min():g} in a row; expected measures > 0")
-    # Blocks that stand have their peak if they rock.
-    rocking, standing = ~np.isnan(peak), overturned == 0.0
-    x, y = np.log(measure[rocking]), np.log(peak[rocking])
-    line = _engine.line(x, y, motions[rocking], ci, cluster)
-    if line is None:
-        raise ValueError(f"found {rocking.sum()} rows that rock and stand; expected three or more, at different {im}")
-    tests = {}
-    for column in [beside] if isinstance(beside, str) else beside:
-        name = split_heading(column)[0]
-        others = numbers(table, name)[known][rocking]
-        if not np.isfinite(others).all():
-            raise ValueError(f"{name} is missing in a row that rocks and stands; expected a number in each")
-        of_residuals = _engine.line(others, line.residuals, motions[rocking], ci, cluster)
-        if of_residuals is None:
-            raise ValueError(f"{name} does not vary; expected a property that differs between records")
-        tests[name] = Sufficiency(of_residuals.coefficients[1], of_residuals.p)
+    measures, overturned, _, peaks, motions = rows_of(cases_of(table, Question(im, "overturned", cluster)))
+    known = ~np.isnan(overturned)
+    names = [split_heading(column)[0] for column in ([beside] if isinstance(beside, str) else beside)]
+    properties = np.array([numbers(table, name)[known] for name in names]).reshape(len(names), int(known.sum()))
+    rows = (measures[known], overturned[known] > 0.0, peaks[known], motions[known])
+    found = _engine.Cloud(im, *rows, names, properties, ci, cluster)
+    for warning in found.warnings():
+        warnings.warn(warning, stacklevel=2)
+    (a, b), (measures, rotations) = found.coefficients, found.points()
     return Cloud(
         im=im,
         unit=table.units.get(im, ""),
-        a=line.coefficients[0],
-        b=line.coefficients[1],
-        beta=line.deviation,
-        standard_errors=line.standard_errors,
-        a_ci=line.intervals[0],
-        b_ci=line.intervals[1],
-        independence=line.independence,
-        r_squared=1.0 - float(np.sum(line.residuals**2) / np.sum((y - y.mean()) ** 2)),
-        overturning=_share(measure, overturned, motions, cluster),
-        rocking=_share(measure[standing], rocking[standing].astype(np.float64), motions[standing], cluster),
-        unknown=int((~known).sum()),
-        sufficiency=tests,
-        measures=measure[rocking],
-        rotations=peak[rocking],
+        a=a,
+        b=b,
+        beta=found.deviation,
+        standard_errors=found.standard_errors,
+        a_ci=found.intervals[0],
+        b_ci=found.intervals[1],
+        independence=found.independence,
+        r_squared=found.r_squared,
+        overturning=_share(found, False),
+        rocking=_share(found, True),
+        unknown=found.unknown + int((~known).sum()),
+        sufficiency={name: Sufficiency(*test) for name, test in zip(names, found.sufficiency, strict=True)},
+        measures=measures,
+        rotations=rotations,
+        _found=found,
     )
 
 
-def _share(measure: Floats, does: Floats, motions: npt.NDArray[np.int64], cluster: str | None) -> Share:
-    """Returns the logistic regression of a class of rows, or the step between classes that a measure separates."""
-    count, rows = int(does.sum()), len(does)
-    if count in (0, rows):
-        return Share(count, rows, None, np.inf if count == 0 else 0.0)
-    below, above = float(measure[does == 0.0].max()), float(measure[does == 1.0].min())
-    if below < above:
-        return Share(count, rows, None, math.sqrt(below * above))
-    words = np.where(does == 1.0, "overturned", "completed")
-    # Rows without a motion are independent.
-    of = np.where(motions < 0, "", motions.astype(str))
-    column = cluster or "motion"
-    return Share(count, rows, fragility(Table({"IM": measure, "outcome": words, column: of}), "IM", link="logit", cluster=cluster), np.nan)
+def _share(found: _engine.Cloud, is_rocking: bool) -> Share:
+    _, does, _ = found.cases(is_rocking)
+    threshold = found.threshold(is_rocking)
+    return Share(int(does.sum()), len(does), np.nan if threshold is None else threshold, found, is_rocking)
+
+
+def _at(x: npt.ArrayLike, curve: Callable[[Floats], Floats]) -> Floats:
+    """Returns a curve at measures of any array shape."""
+    measures = np.asarray(x, dtype=np.float64)
+    return curve(measures.ravel()).reshape(measures.shape)
 
 
 @dataclass(frozen=True)
@@ -306,27 +295,13 @@ def stripes(
     if "outcome" not in table and "runs" in table and "exceeded" in table:
         table = _unrolled(table, im)
     fit = fragility(table, im, limit, **options)
-    order = np.sort(fit.measures)
-    # A scaled record meets its level to round-off.
-    starts = np.concatenate([[True], np.diff(order) > 1e-9 * order[1:]])
-    levels = order[starts]
-    if 2 * len(levels) > len(order):
-        raise ValueError(f"found {len(levels)} levels of {im} in {len(order)} rows; expected stripes of several runs, as of levels in a sweep")
-    stripe = np.searchsorted(levels, fit.measures * (1.0 + 1e-9), side="right") - 1
-    runs = np.bincount(stripe, minlength=len(levels))
-    exceeded = np.bincount(stripe, weights=fit.fractions, minlength=len(levels)).astype(np.float64)
-    return Stripes(levels, runs, exceeded, fit)
+    return Stripes(*_engine.stripes(fit.measures, fit.fractions, im), fit)
 
 
 def _unrolled(table: Table, im: str) -> Table:
     """Returns a row for each run of levels with their counts."""
-    levels, runs, exceeded = numbers(table, im), numbers(table, "runs"), numbers(table, "exceeded")
-    wrong = np.flatnonzero(~((exceeded >= 0) & (exceeded <= runs) & (exceeded % 1 == 0) & (runs % 1 == 0)))
-    if wrong.size:
-        raise ValueError(f"{exceeded[wrong[0]]:g} of {runs[wrong[0]]:g} runs are exceeded in row {wrong[0]}; expected whole numbers, 0 to all")
-    of = np.repeat(np.arange(len(runs)), runs.astype(np.int64))
-    number = np.arange(len(of)) - np.repeat(np.cumsum(runs) - runs, runs.astype(np.int64))
-    return Table({im: levels[of], "outcome": np.where(number < exceeded[of], "overturned", "completed")}, {im: table.units[im]} if im in table.units else {})
+    rows, exceed = _engine.unrolled(numbers(table, "runs"), numbers(table, "exceeded"))
+    return Table({im: numbers(table, im)[rows], "outcome": exceed}, {im: table.units[im]} if im in table.units else {})
 
 
 def _runs(table: Any, im: str) -> tuple[Table, str]:

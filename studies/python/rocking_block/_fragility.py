@@ -15,7 +15,8 @@ import numpy.typing as npt
 from rocking_block import _engine
 from rocking_block._cases import Files, Question, Rows, cases_of, limit_of, limit_word, rows_of
 from rocking_block._record import Record
-from rocking_block._table import Table
+from rocking_block._surface import Second, Surface, columns_of
+from rocking_block._table import Table, split_heading
 from rocking_block._html import html_table
 from rocking_block._words import Floats, chosen, ticking
 
@@ -107,6 +108,10 @@ class Fragility(_engine.Fragility):
     """Rows omitted because their runs were completed without the response of the limit."""
     fraction_range: tuple[float, float]
     """Least and greatest fraction of all rows that exceed the limit [1]: without and with rows and samples whose outcome is unknown."""
+    sufficiency: Mapping[str, float]
+    """For each column of `beside`, the probability that the likelihood grows as much by chance with it: below 0.05, say, the measure is not sufficient."""
+    surface: Surface | None
+    """The surface over both measures, with `surface`."""
     _source: Rows | Files
     _arguments: tuple[Any, ...]
     _cluster: str | None
@@ -135,10 +140,11 @@ class Fragility(_engine.Fragility):
         fit._source, fit.ci = source, options[1]
         fit.im, fit.unit, fit.limit, fit.failed, fit.separated, fit.undecided, fit.without_response, fit.fraction_range = labels
         fit._arguments, fit._cluster = (source, options, labels), motions.cluster
+        fit.sufficiency, fit.surface = {}, None
         return fit
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (_fragility_of, (*self._arguments, self._cluster, (self.rows, self.coefficients)))
+        return (_fragility_of, (*self._arguments, self._cluster, (self.rows, self.coefficients)), {"sufficiency": self.sufficiency, "surface": self.surface})
 
     def __copy__(self) -> Self:
         return self
@@ -158,14 +164,16 @@ class Fragility(_engine.Fragility):
         return self._rows()[1]
 
     def _rows(self) -> tuple[Floats, Floats]:
-        source = self._source
-        if isinstance(source, Files):
-            source = rows_of(source.cases(keep=True))
+        source = self._every_row()
         # Those in the fit.
         known = ~np.isnan(source[0]) & ~np.isnan(source[1])
         if known.sum() != self.rows:
             raise ValueError(f"found {known.sum()} rows in the files of the curve; expected the {self.rows} of its fit")
         return source[0][known], source[1][known]
+
+    def _every_row(self) -> Rows:
+        source = self._source
+        return rows_of(source.cases(keep=True)) if isinstance(source, Files) else source
 
     def _completed(self, unknown_exceed: bool) -> Fragility | None:
         """Returns the curve if all runs without a known outcome exceed the limit, or none; None where there is no such curve."""
@@ -278,6 +286,8 @@ def fragility(
     seed: int = 1,
     cluster: str | None = None,
     where: Mapping[str, str | float] | None = None,
+    surface: str | None = None,
+    beside: str | Sequence[str] = (),
     partial: bool = False,
     progress: bool | None = None,
 ) -> Fragility:
@@ -317,6 +327,10 @@ def fragility(
         `record` and `vertical`, tell them.
     where : mapping, optional
         Use only the rows in which each of these columns has this value, as in `{"foundation": "rigid"}`.
+    surface : str, optional
+        Second measure, for a surface of both: `Fragility.surface`.
+    beside : str or list of str
+        Columns against which the sufficiency of the measure is tested: `Fragility.sufficiency`.
     partial : bool
         Fit the parts of a folder although some are missing.
     progress : bool, optional
@@ -368,6 +382,13 @@ def fragility(
     options = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:
         fit = Fragility(source, options, labels, tick, cases, cluster)
+    tested = [split_heading(column)[0] for column in ([beside] if isinstance(beside, str) else beside)]
+    other = None if surface is None else split_heading(surface)[0]
+    if tested or other is not None:
+        columns = columns_of(table, [*tested, *([] if other is None else [other])], question, partial)
+        second = Second(fit._every_row(), columns, link, fit._cluster)
+        fit.sufficiency = {name: second.sufficiency(name) for name in tested}
+        fit.surface = None if other is None else second.surface(im, other)
     doubts = [f"{fit.undecided} undecided rows may exceed the limit and are left out of the curve"] if fit.undecided else []
     if partly:
         doubts.append(f"in {partly} rows, samples without a known outcome may exceed the limit and are left out of its probability")

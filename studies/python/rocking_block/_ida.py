@@ -66,6 +66,11 @@ class Ida(_engine.Ida):
         """For each curve, the least level that overturns and before it the greatest below that does not, shape (n, 2); nan without any."""
         return np.array(self.brackets(), dtype=np.float64).reshape(-1, 2)
 
+    @property
+    def breaks(self) -> Floats | None:
+        """For each curve, the least level at which a tie or damper breaks, shape (n,): nan where none does; None for blocks without either."""
+        return self.breaking_levels()
+
     def fractile(self, fraction: float) -> Floats:
         """Returns the peak |θ|/α [1] that this fraction of the curves does not exceed, at `levels`; inf is overturning, nan unknown.
 

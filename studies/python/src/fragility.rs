@@ -19,7 +19,7 @@ use crate::table::{GivenColumn, files, table};
 use crate::work::wait;
 
 /// Lower and upper ends. An end that the data do not bound is the limit of the possible values.
-type Ends = (f64, f64);
+pub type Ends = (f64, f64);
 
 /// Decided rows of a table, batch by batch; many are kept on disk.
 #[pyclass(module = "rocking_block._engine")]
@@ -37,7 +37,8 @@ impl CaseStore {
     /// of its runs without a verdict, the peak of the blocks that rock and stand, and the number of the ground motion, negative for rows with
     /// their own. A missing measure or peak is nan, and so is the fraction of a row without a known run.
     ///
-    /// `unknown_exceed` says whether runs without a verdict exceed the limit; without it they are left out.
+    /// A surface and a test of sufficiency also take the second measures. `unknown_exceed` says whether runs without a verdict exceed the limit; without it they are left out.
+    #[pyo3(signature = (places, measures, fractions, unknown, peaks, motions, unknown_exceed, seconds=None))]
     #[allow(clippy::too_many_arguments)]
     fn push(
         &mut self,
@@ -48,10 +49,12 @@ impl CaseStore {
         peaks: PyReadonlyArray1<f64>,
         motions: PyReadonlyArray1<i64>,
         unknown_exceed: Option<bool>,
+        seconds: Option<PyReadonlyArray1<f64>>,
     ) {
         let known = |value: f64| Some(value).filter(|value| !value.is_nan());
         let (places, measures, fractions) = (places.as_array(), measures.as_array(), fractions.as_array());
         let (unknown, peaks, motions) = (unknown.as_array(), peaks.as_array(), motions.as_array());
+        let seconds = seconds.as_ref().map(PyReadonlyArray1::as_array);
         for row in 0..places.len() {
             let fraction = known(fractions[row]);
             let Some(fraction) = (match unknown_exceed {
@@ -68,9 +71,57 @@ impl CaseStore {
                 peak: known(peaks[row]),
                 motion: usize::try_from(motions[row]).ok(),
             };
-            self.0.push(places[row] as u64, &case, [known(measures[row]), Some(1.0)]);
+            let second = seconds.as_ref().map_or(Some(1.0), |seconds| known(seconds[row]));
+            self.0.push(places[row] as u64, &case, [known(measures[row]), second]);
         }
     }
+}
+
+/// A surface over two measures, attributes in Python.
+#[pyclass(frozen, get_all, module = "rocking_block._engine")]
+pub struct Surface {
+    rows: usize,
+    coefficients: (f64, f64, f64),
+    standard_errors: (f64, f64, f64),
+    log_likelihood: f64,
+    auc: f64,
+    brier: f64,
+}
+
+/// Fits a surface to the rows of a store with second measures, which is empty then.
+#[pyfunction]
+pub fn surface(py: Python, store: &mut CaseStore, motions: &Motions, link: &str) -> PyResult<Surface> {
+    let link = choice("link", link, &[Link::Probit, Link::Logit])?;
+    let (store, motions, pool) = (std::mem::take(&mut store.0), motions.0.clone(), pool(None)?);
+    let found = py.detach(|| pool.install(|| engine::Surface::of(store, &motions, link))).map_err(invalid)?;
+    let (c, e) = (&found.fit.coefficients, &found.standard_errors);
+    Ok(Surface {
+        rows: found.rows,
+        coefficients: (c[0], c[1], c[2]),
+        standard_errors: (e[0], e[1], e[2]),
+        log_likelihood: found.fit.log_likelihood,
+        auc: found.auc,
+        brier: found.brier,
+    })
+}
+
+/// Returns the p-value of the hypothesis that the first measures of a store, which is empty then, are sufficient beside the second ones.
+#[pyfunction]
+pub fn sufficiency(py: Python, store: &mut CaseStore, motions: &Motions, link: &str) -> PyResult<f64> {
+    let link = choice("link", link, &[Link::Probit, Link::Logit])?;
+    let (store, motions, pool) = (std::mem::take(&mut store.0), motions.0.clone(), pool(None)?);
+    py.detach(|| pool.install(|| engine::sufficiency_of(store, &motions, link))).map_err(invalid)
+}
+
+/// Returns the probabilities at these values of a linear predictor.
+#[pyfunction]
+pub fn link_probabilities<'py>(
+    py: Python<'py>,
+    link: &str,
+    predictors: PyReadonlyArray1<f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let link = choice("link", link, &[Link::Probit, Link::Logit])?;
+    Ok(PyArray1::from_iter(py, predictors.as_array().iter().map(|predictor| link.probability(*predictor))))
 }
 
 /// The ground motions of a table.
@@ -270,47 +321,6 @@ impl From<PartsError> for Ended {
     }
 }
 
-/// A least-squares line, attributes in Python.
-#[pyclass(frozen, get_all, module = "rocking_block._engine")]
-pub struct Line {
-    coefficients: (f64, f64),
-    deviation: f64,
-    residuals: Py<PyArray1<f64>>,
-    standard_errors: (f64, f64),
-    intervals: (Ends, Ends),
-    p: f64,
-    independence: String,
-}
-
-/// Fits a line through points with the numbers of their ground motions, negative for points with their own, and intervals of this confidence.
-/// `cluster` is the column of the clusters, if it is not the motions.
-#[pyfunction]
-#[pyo3(signature = (x, y, motions, ci, cluster))]
-pub fn line(
-    py: Python<'_>,
-    x: PyReadonlyArray1<f64>,
-    y: PyReadonlyArray1<f64>,
-    motions: PyReadonlyArray1<i64>,
-    ci: f64,
-    cluster: Option<&str>,
-) -> Option<Line> {
-    let motions = motions.as_array();
-    let shared = motions.iter().max().map_or(0, |last| (last + 1).max(0) as usize);
-    let own = |(row, &motion): (usize, &i64)| usize::try_from(motion).unwrap_or(shared + row);
-    let motions: Vec<usize> = motions.iter().enumerate().map(own).collect();
-    let found = engine::Line::of(&x.as_array().to_vec(), &y.as_array().to_vec(), &motions)?;
-    let [a, b] = found.intervals(ci).map(|interval| ends(interval, f64::NEG_INFINITY, f64::INFINITY));
-    Some(Line {
-        coefficients: found.coefficients.into(),
-        deviation: found.deviation,
-        residuals: PyArray1::from_slice(py, &found.residuals).unbind(),
-        standard_errors: found.standard_errors.into(),
-        intervals: (a, b),
-        p: found.p(),
-        independence: found.independence.words(cluster),
-    })
-}
-
 /// A curve with its uncertainty and predictive power. The Python class of the same name has the documentation.
 #[pyclass(frozen, subclass, extends = CurveNumbers, module = "rocking_block._engine")]
 pub struct Fragility(pub Assessment);
@@ -439,13 +449,13 @@ impl CurveNumbers {
 }
 
 /// Checks that measures are above zero.
-fn at(measures: &PyReadonlyArray1<f64>) -> PyResult<Vec<f64>> {
+pub fn at(measures: &PyReadonlyArray1<f64>) -> PyResult<Vec<f64>> {
     let measures = measures.as_array().to_vec();
     measures.iter().try_for_each(|&measure| finite("x", measure, |x| x > 0.0, "a measure > 0"))?;
     Ok(measures)
 }
 
-fn ends([low, high]: Interval, least: f64, greatest: f64) -> Ends {
+pub fn ends([low, high]: Interval, least: f64, greatest: f64) -> Ends {
     (low.unwrap_or(least), high.unwrap_or(greatest))
 }
 

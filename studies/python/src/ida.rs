@@ -32,6 +32,12 @@ impl Ida {
         self.0.rotation
     }
 
+    /// Returns the least level at which a tie or damper breaks of each curve, nan where none does; `None` for blocks without either.
+    fn breaking_levels<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        let breaks = self.0.breaks.as_ref()?;
+        Some(PyArray1::from_iter(py, breaks.iter().map(|level| level.unwrap_or(f64::NAN))))
+    }
+
     /// Returns the levels of the fractiles.
     #[getter]
     fn levels<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {

@@ -29,6 +29,7 @@ mod assess;
 mod block;
 mod blocks;
 mod building;
+mod cloud;
 mod fit;
 mod foundations;
 mod fragility;
@@ -61,9 +62,12 @@ mod _engine {
         block::Block,
         blocks::{Blocks, parameter_unit},
         building::Building,
+        cloud::{Cloud, stripes, unrolled},
         fit::fit,
         foundations::{foundation_pairs, pad_support, soil_support},
-        fragility::{CaseStore, Cases, Fragility, Line, Motions, export_fragility, line},
+        fragility::{
+            CaseStore, Cases, Fragility, Motions, Surface, export_fragility, link_probabilities, sufficiency, surface,
+        },
         frame::{frame_block, frame_response},
         history::history,
         ida::Ida,

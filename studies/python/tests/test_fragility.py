@@ -1,5 +1,6 @@
 """Fragility curves compared with statsmodels and with known curves."""
 
+import json
 import pickle
 import subprocess
 import sys
@@ -10,7 +11,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from scipy.stats import chi2
+from scipy.stats import chi2, norm
+from test_fit import PROGRAM
 
 import rocking_block as rb
 
@@ -42,6 +44,42 @@ def test_the_curve_is_that_of_statsmodels(link):
     x = np.geomspace(0.1, 3.0, 20)
     assert np.allclose(fit.curve(x), peer.predict(np.column_stack([np.ones(20), np.log(x)])), rtol=1e-6)
     assert np.isclose(fit.median, np.exp(-peer.params[0] / peer.params[1]), rtol=1e-7)
+
+
+def test_a_second_measure_is_that_of_the_program(tmp_path):
+    """The surface and the tests of sufficiency of a table, of its file, of chosen rows and of a copy."""
+    if not PROGRAM.exists():
+        pytest.skip(f"{PROGRAM} is missing; cargo build --release builds it")
+    random = np.random.default_rng(8)
+    columns = planted()
+    period, magnitude = random.uniform(0.3, 1.2, columns.rows), random.uniform(5.0, 7.0, columns.rows)
+    period[7] = np.nan
+    base = np.where(np.arange(columns.rows) % 2, "rigid", "soft")
+    table = rb.Table({**columns, "T_m": period, "M": magnitude, "base": base}, {"PGV": "m/s", "T_m": "s"})
+    table.to_frame().to_csv(tmp_path / "runs.csv", index=False)
+    for where in ({}, {"base": "rigid"}):
+        conditions = [word for name, value in where.items() for word in ("--where", f"{name}={value}")]
+        arguments = ["fragility", "runs.csv", "--im", "PGV", "--surface", "T_m", "--beside", "M", "--beside", "T_m", "--json", *conditions]
+        run = subprocess.run([PROGRAM, *arguments], cwd=tmp_path, capture_output=True, text=True, check=True)
+        printed = json.loads(run.stdout)
+        fits = [rb.fragility(source, "PGV", surface="T_m [s]", beside=["M", "T_m"], where=where) for source in (table, tmp_path / "runs.csv")]
+        for fit in [*fits, pickle.loads(pickle.dumps(fits[0]))]:
+            surface, expected = fit.surface, printed["surface"]
+            assert surface.im == ("PGV", "T_m") and surface.rows == expected["rows"] == fit.rows - 1
+            assert list(surface.coefficients) == [expected["intercept"], *expected["slopes"]]
+            assert list(surface.standard_errors) == expected["standard_errors"]
+            assert (surface.log_likelihood, surface.auc, surface.brier) == (expected["log_likelihood"], expected["AUC"], expected["Brier"])
+            assert fit.sufficiency == printed["measures"][0]["sufficiency"]
+    a, b, c = fits[0].surface.coefficients
+    x, y = np.array([0.3, 0.6]), np.array([[0.4], [0.9]])
+    assert np.allclose(fits[0].surface.curve(x, y), norm.cdf(a + b * np.log(x) + c * np.log(y)), rtol=1e-12)
+    assert "Surface of 149 rows" in repr(fits[0].surface)
+    plain = rb.fragility(table, "PGV")
+    assert plain.surface is None and plain.sufficiency == {}
+    with pytest.raises(ValueError, match="there is no column 'D5-95'"):
+        rb.fragility(table, "PGV", beside="D5-95")
+    with pytest.raises(ValueError, match="found a measure that is not above 0"):
+        fits[0].surface.curve(0.0, 1.0)
 
 
 @pytest.mark.parametrize("intervals", ["profile", "bootstrap"])

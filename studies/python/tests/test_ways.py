@@ -1,6 +1,8 @@
 """Incremental dynamic analysis, clouds and stripes, compared with sweeps, SciPy, statsmodels and planted data."""
 
+import json
 import pickle
+import subprocess
 from concurrent.futures import ThreadPoolExecutor
 
 import matplotlib.pyplot as plt
@@ -8,6 +10,7 @@ import numpy as np
 import pytest
 from scipy import stats
 from test_assess import RECORDS
+from test_fit import PROGRAM
 
 import rocking_block as rb
 
@@ -16,6 +19,12 @@ HUNT = {
     "parameters": {"foundation": "rigid", "alpha": 0.15, "p": [1.5, 2.2]},
     "records": [{"horizontal": f"{RECORDS}/*.smc"}],
 }
+
+
+def program(*arguments):
+    if not PROGRAM.exists():
+        pytest.skip(f"{PROGRAM} is missing; cargo build --release builds it")
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=True).stdout
 
 
 def test_an_analysis_has_the_runs_of_its_study():
@@ -180,6 +189,42 @@ def test_rows_of_one_motion_count_once():
         assert rb.cloud(rb.Table({**columns, "PGV": np.where(np.arange(120) == 3, np.nan, pgv)}), "PGV").unknown == 1
     with pytest.raises(ValueError, match="found an ensemble; expected"):
         rb.cloud(rb.Table({**columns, "ensemble.samples": [4] * 120}), "PGV")
+
+
+def test_the_program_and_copies_have_the_same_cloud(tmp_path):
+    table = planted()
+    table.to_frame().to_csv(tmp_path / "runs.csv", index=False)
+    found = rb.cloud(table, "PGV", beside="magnitude", ci=0.9)
+    printed = json.loads(program("cloud", tmp_path / "runs.csv", "--im", "PGV", "--beside", "magnitude", "--ci", "0.9", "--json"))
+    (of,) = printed["clouds"]
+    assert of["coefficients"] == [found.a, found.b] and of["standard_errors"] == list(found.standard_errors)
+    assert of["intervals"] == [list(found.a_ci), list(found.b_ci)] and of["beta"] == found.beta
+    assert (of["r_squared"], of["proficiency"], of["unknown"]) == (found.r_squared, found.proficiency, found.unknown)
+    assert of["sufficiency"]["magnitude"] == found.sufficiency["magnitude"]._asdict()
+    for name, share in (("overturning", found.overturning), ("rocking", found.rocking)):
+        assert [of[name]["exceeded"], of[name]["rows"]] == [share.exceeded, share.rows]
+        assert of[name]["coefficients"] == list(share.fit.coefficients) and share.fit.ci == 0.9
+    again = pickle.loads(pickle.dumps(found))
+    x = np.array([[0.2, 0.5], [0.9, 1.4]])
+    assert (again.curve(x, limit=0.5) == found.curve(x, limit=0.5)).all() and (again.median(x) == found.median(x)).all()
+    assert again.overturning.fit.coefficients == found.overturning.fit.coefficients
+
+
+def test_the_program_has_the_same_stripes(tmp_path):
+    rb.Table({"PGV": [0.2, 0.4, 0.8], "exceeded": [1, 4, 7], "runs": [10, 10, 9]}, {"PGV": "m/s"}).to_frame().to_csv(tmp_path / "counts.csv", index=False)
+    found = rb.stripes(tmp_path / "counts.csv", "PGV")
+    printed = json.loads(program("stripes", tmp_path / "counts.csv", "--im", "PGV", "--json"))
+    assert [level["level"] for level in printed["levels"]] == found.levels.tolist()
+    assert [level["fraction"] for level in printed["levels"]] == found.fractions.tolist()
+    assert printed["measures"][0]["median"] == found.fit.median and printed["measures"][0]["beta"] == found.fit.beta
+
+
+def test_curves_have_the_level_at_which_ties_break_first():
+    rows = {"record": ["a"] * 3 + ["b"] * 3, "PGV": [0.6, 0.2, 0.4] + [0.2, 0.4, 0.6], "outcome": ["completed"] * 6,
+            "peak.theta/alpha": [0.3, 0.1, 0.2] * 2, "ties.broken": [2, 0, 1, 0, 0, 0]}
+    found = rb.ida(rb.Table(rows, {"PGV": "m/s"}), "PGV")
+    assert found.breaks[0] == 0.4 and np.isnan(found.breaks[1])
+    assert rb.ida(rb.Table({name: rows[name] for name in rows if name != "ties.broken"}), "PGV").breaks is None
 
 
 def test_a_cloud_without_overturning_or_with_a_clear_threshold():

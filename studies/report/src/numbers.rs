@@ -133,16 +133,24 @@ pub fn motions(report: &Report) -> String {
     ground_motions(report).replace("ground motion", "motion")
 }
 
-/// Writes the number of ground motions, each once whatever the number of its directions and polarities.
+/// Writes the number of ground motions, each once whatever the number of its components, directions, polarities and floors.
 pub fn ground_motions(report: &Report) -> String {
     let motions = &report.motions;
     let names: BTreeSet<&str> = motions.iter().map(|motion| motion.name.as_str()).collect();
-    let counted = counted(names.len() as u64, "ground motion");
+    let (count, floors) = (report.independent_motions(), report.building.as_ref().map_or(1, |of| of.stands_on.len()));
+    let mut counted = counted(count as u64, "ground motion");
+    let records = names.len() / floors.max(1);
+    if records > count {
+        counted += &format!(" in {records} components");
+    }
     // Each has as many directions as all others.
-    let counted = match motions.len() / names.len().max(1) {
-        0 | 1 => counted,
-        directions => format!("{counted} in {directions} directions"),
-    };
+    let directions = motions.len() / names.len().max(1);
+    if directions > 1 {
+        counted += &format!(" in {directions} directions");
+    }
+    if floors > 1 {
+        counted += &format!(" on {floors} floors");
+    }
     match report.reversed {
         0 => counted,
         all if all == motions.len() => counted + " in both polarities",

@@ -4,6 +4,8 @@ use askama::Template;
 
 use crate::ReportError;
 use crate::numbers::{self, counted, exceed, named_quantity, percent, rate, short, years};
+use rocking_charts::picture::{PictureError, PictureFormat};
+use rocking_charts::ranking::{RankedRate, ranking};
 use rocking_studies::assess::{Counts, RateResult};
 use rocking_studies::output::csv::with_headings;
 use rocking_studies::output::table::{Table, TableColumn};
@@ -16,19 +18,28 @@ const TABLE: &str = "portfolio.csv";
 /// Share of a rate beyond the runs or the hazard that is named.
 const NOTABLE: f64 = 0.01;
 
-/// Makes the page and the table of a portfolio, with their names. The page links to `NAME/report.html` of each object.
+/// Name of the chart of its rates.
+const PICTURE: &str = "ranking.png";
+
+/// Makes the page, the table and the chart of a portfolio, with their names. The page links to `NAME/report.html` of each object.
 ///
 /// # Errors
 /// None in practice: all results can be written.
 pub fn portfolio_files(portfolio: &Portfolio) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-    let page = PortfolioPage { portfolio, version: env!("CARGO_PKG_VERSION") }.render()?;
-    Ok(vec![(PORTFOLIO_PAGE.into(), page.into_bytes()), (TABLE.into(), table(portfolio)?.into_bytes())])
+    let picture = picture(portfolio)?;
+    let page = PortfolioPage { portfolio, picture: picture.as_deref(), version: env!("CARGO_PKG_VERSION") }.render()?;
+    let mut files = vec![(PORTFOLIO_PAGE.into(), page.into_bytes()), (TABLE.into(), table(portfolio)?.into_bytes())];
+    if let Some(svg) = &picture {
+        files.push((PICTURE.into(), PictureFormat::Png.encode(svg)?));
+    }
+    Ok(files)
 }
 
 #[derive(Template)]
 #[template(path = "portfolio.html")]
 struct PortfolioPage<'a> {
     portfolio: &'a Portfolio,
+    picture: Option<&'a str>,
     version: &'static str,
 }
 
@@ -77,6 +88,15 @@ impl PortfolioPage<'_> {
     }
 }
 
+/// Draws the rates in their order, if two objects have one.
+fn picture(portfolio: &Portfolio) -> Result<Option<String>, PictureError> {
+    let rate = |object: &RankedObject| {
+        let found = object.state.rate?;
+        Some(RankedRate { name: object.title.clone(), rate: found.rate, interval: found.rate_interval })
+    };
+    ranking(&portfolio.objects.iter().filter_map(rate).collect::<Vec<_>>(), portfolio.confidence)
+}
+
 /// Writes a rank with the range that the intervals allow.
 fn rank(object: &RankedObject) -> String {
     match (object.rank, object.ranks) {
@@ -111,10 +131,12 @@ fn first(object: &RankedObject) -> String {
 fn helps(object: &RankedObject) -> String {
     let one = |help: &Help| {
         let effect = match help.rates {
-            _ if help.runs.at_most() == 0 => format!("none of {} runs", help.runs.all()),
+            _ if help.runs.at_most() == 0 => format!("none of {} runs {}", help.runs.all(), exceed(help.limit)),
             Some([low, high]) if low == high => rate(low),
             Some(range) => numbers::rate_range(range.map(Some)).unwrap_or_default(),
-            None => format!("{} of {} runs", numbers::exceeded(&help.runs), help.runs.all()),
+            None => {
+                format!("{} of {} runs {}", numbers::exceeded(&help.runs), help.runs.all(), exceed(help.limit))
+            }
         };
         let slip = help.peak_slip.filter(|slip| *slip > 0.0);
         let slip = slip.map(|slip| format!(", but slips up to {} m", numbers::slip(slip))).unwrap_or_default();

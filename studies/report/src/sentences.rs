@@ -55,7 +55,11 @@ pub fn verdict(report: &Report, [least, greatest]: [f64; 2]) -> [String; 2] {
                 range.unwrap_or_else(|| {
                     format!(
                         "; {} too few to bound the error",
-                        if report.motions.len() == 1 { "one ground motion is" } else { "the ground motions are" }
+                        if report.independent_motions() == 1 {
+                            "one ground motion is"
+                        } else {
+                            "the ground motions are"
+                        }
                     )
                 })
             )

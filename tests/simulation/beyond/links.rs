@@ -140,6 +140,37 @@ fn the_peak_of_a_damper_counts_its_pushes() {
     }
 }
 
+/// The ends of a tie approach by the greatest shortening on the way, inside a step, slack and after it has broken as well.
+#[test]
+fn the_shortening_of_a_tie_is_the_approach_of_its_ends() {
+    for foundation in [Foundation::Viscoelastic, Foundation::Rigid] {
+        let plain = plain(foundation);
+        let (b, weight) = (plain.b, plain.mass * plain.gravity);
+        let tie = |side: f64, strength: f64| Tie {
+            block: [side * b, 2.0 * plain.h],
+            ground: [2.0 * side * b, 2.0 * plain.h],
+            stiffness: 0.5 * weight / b,
+            strength: strength * weight,
+            ..Tie::default()
+        };
+        let block = plain.with_ties(&[tie(-1.0, 0.05), tie(1.0, 0.0)]).unwrap();
+        let (once, events) = run(block, 2.5, 6.0);
+        assert!(events.iter().any(|event| matches!(of_link(event), Some((_, tie::TieEvent::Break)))), "{foundation:?}");
+        let (mut fine, _) = run(block, 2.5, 0.0);
+        let (inputs, mut greatest) = (Inputs::default(), [0.0_f64; 2]);
+        for millisecond in 1..=6000 {
+            fine.advance(1e-3 * f64::from(millisecond), &inputs, &mut |_| ()).unwrap();
+            for (greatest, link) in greatest.iter_mut().zip(fine.observe(&inputs).restraints) {
+                *greatest = greatest.max(-link.elongation);
+            }
+        }
+        for (found, sampled) in once.peaks().elongation.iter().zip(greatest) {
+            assert!((found - sampled).abs() < 1e-5 * sampled, "{foundation:?}: {found}, not {sampled}");
+        }
+        assert!(greatest.iter().all(|shortening| *shortening > 1e-3), "{foundation:?}: {greatest:?}");
+    }
+}
+
 /// Damping alone makes a dashpot: the limit of soft springs. Its stroke is the greatest elongation on the way, also inside a step.
 #[test]
 fn damping_alone_makes_a_dashpot() {

@@ -9,6 +9,7 @@ use super::symbols::{
 };
 use super::{beside_values, engineering};
 use crate::canvas::{Area, Drawn, TEXT, anchored, grey};
+use crate::history_in_space::friction;
 use crate::numerals::significant;
 use crate::picture::PictureError;
 use rocking_block::space::{Base, SpaceBody, SpaceParameters};
@@ -294,9 +295,9 @@ impl SketchInSpace<'_> {
             format!("κ = {}, ξ_h = {}", short(parameters.kappa), short(parameters.xi_h.unwrap_or(body.xi_v))),
             format!("ω_v = {} rad/s, ξ_v = {}", short(body.omega_v), short(body.xi_v)),
         ];
-        of_feet.push(match body.friction < SpaceParameters::default().friction {
-            true => format!("friction μ = {}", short(body.friction)),
-            false => "friction without a limit".into(),
+        of_feet.push(match friction(body) {
+            Some(friction) => format!("friction μ = {}", short(friction)),
+            None => "friction without a limit".into(),
         });
         let gaps = body.feet.iter().filter(|foot| foot.static_load == 0.0).count();
         if gaps > 0 {

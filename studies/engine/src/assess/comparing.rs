@@ -1,5 +1,7 @@
 //! The results of a report → the variants that help, and the assumption that matters.
 
+use std::collections::BTreeSet;
+
 use crate::assess::results::{Comparison, Report, Sensitivity};
 
 impl Comparison {
@@ -63,6 +65,11 @@ impl Report {
             Some(variant) => Some(variant).filter(|variant| self.reduces_rate(variant)).into_iter().collect(),
             None => self.fewest_runs(),
         }
+    }
+
+    /// Number of independent ground motions: components, polarities and floors of one event at one station count once.
+    pub fn independent_motions(&self) -> usize {
+        self.motions.iter().map(|motion| &motion.motion).collect::<BTreeSet<_>>().len()
     }
 
     /// The assumption whose range changes the number of runs beyond the limit most.

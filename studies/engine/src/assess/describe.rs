@@ -128,6 +128,7 @@ pub(super) fn motions(plan: &Plan) -> Vec<MotionResult> {
         let floor = motion.floor.map(|floor| format!(", floor {floor}")).unwrap_or_default();
         MotionResult {
             name: motion.name() + &floor,
+            motion: motion.motion.to_string(),
             azimuth: sweep.space.as_ref().map(|_| motion.azimuth),
             pga: motion.intensity(of_ground(Measure::Pga, ComponentMeasure::Pga), 1.0, of_object),
             pgv: motion.intensity(of_ground(Measure::Pgv, ComponentMeasure::Pgv), 1.0, of_object),

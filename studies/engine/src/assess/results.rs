@@ -205,6 +205,8 @@ pub struct BuildingResult {
 pub struct MotionResult {
     /// Its name.
     pub name: String,
+    /// The event and the station, as far as they are known: components, polarities and floors of one are not independent.
+    pub motion: String,
     /// The azimuth of its first component (degrees), of an object in space.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub azimuth: Option<f64>,

@@ -1,5 +1,7 @@
 //! A plan → its results.
 
+use std::collections::BTreeSet;
+
 use rayon::ThreadPool;
 
 use crate::assess::alternatives::{Alternative, Assumption};
@@ -286,11 +288,12 @@ fn remarks_on_motions(report: &Report) -> Vec<String> {
     let mut remarks = Vec::new();
     let strongest = report.motions.iter().max_by(|a, b| a.scales[1].total_cmp(&b.scales[1]));
     if let Some(motion) = strongest.filter(|motion| motion.scales[1] > USUAL_SCALE) {
-        let scaled = report.motions.iter().filter(|motion| motion.scales[1] > USUAL_SCALE).count();
+        let scaled = report.motions.iter().filter(|motion| motion.scales[1] > USUAL_SCALE);
+        let scaled = scaled.map(|motion| &motion.motion).collect::<BTreeSet<_>>().len();
         remarks.push(format!(
             "Scaling makes {scaled} of {} ground motions more than {USUAL_SCALE} times stronger, {} up to {:.1} times: a strong earthquake lasts \
              longer and shakes more slowly than a weak one made stronger. Records of stronger earthquakes avoid this.",
-            report.motions.len(),
+            report.independent_motions(),
             motion.name,
             motion.scales[1]
         ));

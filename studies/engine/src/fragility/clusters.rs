@@ -47,7 +47,7 @@ impl Independence {
     /// The two-sided p-value of a deviate.
     pub(super) fn p_value(self, deviate: f64) -> f64 {
         match self {
-            Independence::Rows | Independence::OneMotion => libm::erfc(deviate / std::f64::consts::SQRT_2),
+            Independence::Rows | Independence::OneMotion => normal::p_value(deviate),
             Independence::Motions(count) => student::p_value(deviate, (count - 1) as f64),
         }
     }

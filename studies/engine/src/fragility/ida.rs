@@ -20,10 +20,15 @@ pub struct Ida {
     pub curves: Vec<IdaCurve>,
     /// The rotation whose peaks they are: |θ|/α, or the tilt over that of the balance in space.
     pub rotation: &'static str,
+    /// For each curve the least level at which a tie or damper breaks, if one does; `None` for blocks without either.
+    pub breaks: Option<Vec<Option<f64>>>,
 }
 
 /// The rotation of blocks in the plane, and of those in space.
-const ROTATIONS: [&str; 2] = ["|θ|/α", "tilt over that of the balance"];
+pub(super) const ROTATIONS: [&str; 2] = ["|θ|/α", "tilt over that of the balance"];
+
+/// A row of a curve: block and ground motion, the level, the peak |θ|/α and the end of the run.
+type CurveRow = (String, f64, Option<f64>, End);
 
 /// The response of a block to a ground motion of increasing strength.
 #[derive(Clone, Debug, PartialEq)]
@@ -146,12 +151,21 @@ impl Ida {
         let text = |column: &Series| (0..table.rows()).map(|row| column.text(row)).collect();
         let described: Vec<_> = described.map(|column| (column.heading.name.clone(), text(column))).collect();
         let names = curve_names(&described, table.rows()).map_err(|error| table.refused(error.to_string()))?;
+        let broken = table.numbers("ties.broken").ok();
         let mut rows = Vec::new();
         for (row, ((level, peak), end)) in measures.into_iter().zip(peaks).zip(ends).enumerate() {
             let Some(level) = level else { return Err(table.no_level(row, im)) };
             rows.push((names[row].clone(), level, peak, end));
         }
-        let found = Ida::of(rows).map_err(|error| table.refused(error.to_string()))?;
+        let broken = broken.map(|broken| {
+            let breaks =
+                |((name, level, ..), count): (&CurveRow, Option<f64>)| (name.clone(), *level, count > Some(0.0));
+            rows.iter().zip(broken).map(breaks).collect::<Vec<_>>()
+        });
+        let mut found = Ida::of(rows).map_err(|error| table.refused(error.to_string()))?;
+        if let Some(rows) = broken {
+            found.mark_breaks(rows);
+        }
         Ok(Ida { rotation: ROTATIONS[usize::from(table.is_in_space())], ..found })
     }
 
@@ -159,7 +173,7 @@ impl Ida {
     ///
     /// # Errors
     /// Two rows of a curve at one level, or several levels without a curve that has two.
-    pub fn of(rows: impl IntoIterator<Item = (String, f64, Option<f64>, End)>) -> Result<Ida, Mismatch> {
+    pub fn of(rows: impl IntoIterator<Item = CurveRow>) -> Result<Ida, Mismatch> {
         let mut found: BTreeMap<String, Vec<(f64, Response)>> = BTreeMap::new();
         for (key, level, peak, end) in rows {
             let response = match (end, peak) {
@@ -186,7 +200,16 @@ impl Ida {
             let found = format!("a single level in each of {} curves, as of `{}`", curves.len(), curves[0].name);
             return Err(Mismatch::new(found, "several levels of each block and ground motion"));
         }
-        Ok(Ida { levels: levels(&curves), curves, rotation: ROTATIONS[0] })
+        Ok(Ida { levels: levels(&curves), curves, rotation: ROTATIONS[0], breaks: None })
+    }
+
+    /// Takes note of the rows of its curves, each with its level, in which a tie or damper breaks.
+    pub fn mark_breaks(&mut self, rows: impl IntoIterator<Item = (String, f64, bool)>) {
+        let mut least: BTreeMap<String, f64> = BTreeMap::new();
+        for (name, level, _) in rows.into_iter().filter(|(.., breaks)| *breaks) {
+            least.entry(name).and_modify(|least| *least = least.min(level)).or_insert(level);
+        }
+        self.breaks = Some(self.curves.iter().map(|curve| least.get(&curve.name).copied()).collect());
     }
 
     /// Returns the fractile of the responses of all curves at each level: the least one that this fraction of the curves does not exceed.

@@ -29,6 +29,8 @@
 //! | `assessment` | cases, a measure → its curve with intervals and quality |
 //! | `export` | lognormal curves → the files of pelicun and OpenQuake |
 //! | `directions` | the table of a sweep in space, a limit → its outcomes by the direction of the ground motion |
+//! | `cloud` | rows of a table over a measure → a line through the rotations, and the probability of overturning |
+//! | `stripes` | rows at levels of a measure, or their counts → stripes |
 //! | `ida` | the table of a sweep over levels → curves of incremental dynamic analysis |
 //!
 //! ```
@@ -44,6 +46,7 @@
 mod assessment;
 mod bootstrap;
 mod cases;
+mod cloud;
 mod clusters;
 mod data;
 mod directions;
@@ -61,6 +64,7 @@ mod regression;
 mod rows;
 mod separation;
 mod store;
+mod stripes;
 mod table;
 
 pub use crate::output::table::split_heading;
@@ -68,6 +72,7 @@ pub use crate::run::limit::Limit;
 pub use assessment::{Assessment, Surface, Uncertainty, sufficiency_of};
 pub use bootstrap::{Bootstrap, bootstrap};
 pub use cases::{Case, Motions, RowCounts, RowOutcome, completed};
+pub use cloud::{Cloud, CloudColumns, CloudRow, CloudRows, CloudSufficiency, Share, ShareCurve};
 pub use clusters::Independence;
 pub use data::Data;
 pub use directions::Direction;
@@ -81,4 +86,5 @@ pub use profile::{Interval, LikelihoodProfile};
 pub use quality::{auc, brier, efficiency, sufficiency};
 pub use regression::CurveFit;
 pub use store::{CaseStore, Collected};
+pub use stripes::{Stripe, unrolled};
 pub use table::{ChosenRows, DESCRIBED, SweepTable, SweepTableError, is_needed};

@@ -50,7 +50,7 @@ pub struct RankedObject {
     pub helps: Vec<Help>,
     /// The assumption that changes the number of runs beyond the limit most, if one does.
     pub matters: Option<Matter>,
-    /// Number of ground motions.
+    /// Number of independent ground motions.
     pub motions: usize,
     /// The report on the object alone.
     #[serde(skip)]
@@ -132,7 +132,7 @@ impl RankedObject {
                 limit: strongest.ends[0].limit,
                 runs: strongest.ends.each_ref().map(|end| end.runs),
             }),
-            motions: report.motions.len(),
+            motions: report.independent_motions(),
             state,
             report,
         }

@@ -115,7 +115,9 @@ pub fn probability_in(years: f64, rate: f64) -> f64 {
 /// With a bootstrap, the interval of the rates of its curves. Otherwise the rates of the lower and the upper end of the pointwise
 /// band, which lie at least as far apart as those of any curve inside the band.
 ///
-/// The rate is that of all motions of a site; rows of a single one do not tell how far it may be wrong.
+/// The rate is that of all motions of a site; rows of a single one do not tell how far it may be wrong. An upper end above the hazard's
+/// greatest rate is `None`: more motions than the curve has would exceed the limit, and of the weaker ones it says nothing, so that any number
+/// would be one of its continuation.
 pub fn interval(hazard: &HazardCurve, assessment: &Assessment) -> Interval {
     /// Points of the band; between them the probability is linear in the logarithm.
     const POINTS: u32 = 240;
@@ -126,13 +128,15 @@ pub fn interval(hazard: &HazardCurve, assessment: &Assessment) -> Interval {
         return [None; 2];
     }
     let finite = |rate: f64| Some(rate).filter(|rate| rate.is_finite());
+    let within_hazard = |rate: &f64| *rate <= hazard.rates()[0];
     let of_fit = |fit: &_| match FragilityCurve::of(fit) {
         Ok(curve) => AnnualRate::new(hazard, &curve).rate,
         // A curve that falls exceeds the limit at any small measure.
         Err(_) => f64::INFINITY,
     };
     if let Some(found) = assessment.bootstrap_interval(of_fit) {
-        return found.map(|end| end.and_then(finite));
+        let [low, high] = found.map(|end| end.and_then(finite));
+        return [low, high.filter(within_hazard)];
     }
     let levels = hazard.levels();
     let [median, beta] = [assessment.fit.median(), assessment.fit.dispersion().abs()];
@@ -151,13 +155,13 @@ pub fn interval(hazard: &HazardCurve, assessment: &Assessment) -> Interval {
     };
     // A band that reaches down to the smallest measures bounds no rate.
     let high = negligible.and_then(|_| rate(|[_, high]| high.unwrap_or(1.0)));
-    [rate(|[low, _]| low.unwrap_or(0.0)), high]
+    [rate(|[low, _]| low.unwrap_or(0.0)), high.filter(within_hazard)]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fragility::Link;
+    use crate::fragility::{Case, CaseStore, Link, Motions, Uncertainty};
 
     /// A hazard `k0 m^−k` at these levels.
     fn power_law(k0: f64, k: f64, levels: &[f64]) -> HazardCurve {
@@ -249,6 +253,28 @@ mod tests {
         let probabilities: Vec<f64> = at.iter().map(|m| curve.probability(*m)).collect();
         let table = FragilityCurve::tabulated(&at, &probabilities).unwrap();
         near(AnnualRate::new(&hazard, &table).rate, AnnualRate::new(&hazard, &curve).rate, 2e-6);
+    }
+
+    /// The hazard of levels far above the median says nothing of the motions that bring most of the rate: both methods leave the end open.
+    #[test]
+    fn no_interval_ends_above_the_greatest_rate_of_the_hazard() {
+        let rows = || (0..60).map(|i| (0.1 + 0.02 * f64::from(i), i * 7 % 20 < i / 3));
+        for uncertainty in [Uncertainty::Profile, Uncertainty::Bootstrap(100, 1)] {
+            let mut store = CaseStore::default();
+            for (row, (measure, exceeds)) in rows().enumerate() {
+                let fraction = f64::from(u8::from(exceeds));
+                let case = Case { row, fraction, unknown: 0.0, peak: None, motion: None };
+                store.push(row as u64, &case, [Some(measure), Some(1.0)]);
+            }
+            let found = Assessment::of(store, &Motions::default(), Link::Probit, 0.95, uncertainty).unwrap();
+            let inside = power_law(1e-4, 2.0, &levels());
+            let rate = AnnualRate::new(&inside, &FragilityCurve::of(&found.fit).unwrap()).rate;
+            let [low, high] = interval(&inside, &found).map(Option::unwrap);
+            assert!(low < rate && rate < high && high <= inside.rates()[0], "{low} {rate} {high}");
+            let above = power_law(1e-4, 2.0, &[3.0, 4.0]);
+            let [low, high] = interval(&above, &found);
+            assert!(low.is_some_and(|low| low > above.rates()[0]) && high.is_none(), "{low:?} {high:?}");
+        }
     }
 
     #[test]

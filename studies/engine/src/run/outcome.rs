@@ -185,6 +185,10 @@ pub fn columns<'c, R: 'c>(holds: Holds, of: fn(&R) -> &Outcome) -> Vec<TableColu
         let at = move |row: &R, all: &[f64; MAX]| all.get(of(row).number(kind, i)).copied().unwrap_or_default();
         let pull = move |row: &R| at(row, &of(row).peaks.pull);
         columns.push(TableColumn::real(name(kind.force()), "N", pull));
+        if kind == LinkKind::Tie {
+            let shortening = move |row: &R| at(row, &of(row).peaks.elongation);
+            columns.push(TableColumn::real(name("shortening"), "m", shortening));
+        }
         if holds.yields {
             columns.push(TableColumn::real(name("plastic"), "m", move |row| at(row, &of(row).peaks.plastic)));
         }

@@ -1,11 +1,13 @@
-//! The normal distribution and Student's, random samples, ranges, and quantiles.
+//! The normal distribution, Student's and χ², random samples, ranges, and quantiles.
 //!
 //! | module | in → out |
 //! | --- | --- |
 //! | [`normal`] | deviate ↔ probability |
+//! | [`chi_squared`] | deviance → p-value |
 //! | [`sampling`] | a seed and a number of samples → a Latin hypercube |
-//! | [`student`] | p-value of Student's t → deviate |
+//! | [`student`] | p-value ↔ deviate of Student's t |
 
+pub mod chi_squared;
 pub mod normal;
 pub mod sampling;
 pub mod student;

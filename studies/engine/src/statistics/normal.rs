@@ -14,6 +14,11 @@ pub fn probability(x: f64) -> f64 {
     0.5 * libm::erfc(-x * FRAC_1_SQRT_2)
 }
 
+/// P(|X| > x), the p-value of both sides of a deviate x ≥ 0.
+pub fn p_value(x: f64) -> f64 {
+    libm::erfc(x / std::f64::consts::SQRT_2)
+}
+
 /// The inverse Mills ratio φ(x)/Φ(x), the derivative of ln Φ(x).
 pub fn inverse_mills_ratio(x: f64) -> f64 {
     if x > FAR { density(x) / probability(x) } else { -x / tail(x) }

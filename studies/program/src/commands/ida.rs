@@ -14,6 +14,7 @@ use rocking_charts::numerals::significant;
 use rocking_studies::fragility::{Ida, IdaCurve, Response, SweepTable};
 use rocking_studies::intensity::Measure;
 use rocking_studies::output::table::Table;
+use rocking_studies::statistics::range;
 use rocking_studies::sweep::file::Checks;
 use rocking_studies::sweep::strength::Strengths;
 
@@ -76,7 +77,7 @@ pub fn run(options: &IdaCommand) -> anyhow::Result<()> {
 
 /// The curves of an analysis in numbers, after the items of the study.
 fn items(mut summary: Summary, ida: &Ida, measure: Measure) -> Summary {
-    let capacity = |curve: &IdaCurve| {
+    let capacity = |(number, curve): (usize, &IdaCurve)| {
         // The least level that overturns, and the greatest below that does not.
         let found = curve.overturning();
         let greatest = curve.levels.last().copied().unwrap_or_default();
@@ -84,8 +85,10 @@ fn items(mut summary: Summary, ida: &Ida, measure: Measure) -> Summary {
             .with("curve", &curve.name)
             .with("stands", found.map_or(greatest, |[below, _]| below))
             .with("overturns", found.map(|[_, least]| least))
+            // The least level at which a tie or damper breaks, null if none does.
+            .with_some("breaks", ida.breaks.as_ref().map(|breaks| breaks[number]))
     };
-    let capacities: Vec<Object> = ida.curves.iter().map(capacity).collect();
+    let capacities: Vec<Object> = ida.curves.iter().enumerate().map(capacity).collect();
     let overturning = ida.curves.iter().filter(|curve| curve.overturning().is_some()).count();
     summary.entry("im", measure.to_string());
     summary.entry("unit", measure.unit());
@@ -94,8 +97,21 @@ fn items(mut summary: Summary, ida: &Ida, measure: Measure) -> Summary {
     summary.entry("overturning", overturning);
     let unit = if measure.unit() == "1" { String::new() } else { format!(", {}", measure.unit()) };
     add_fractiles(&mut summary, ida, &format!("{measure}{unit}"));
+    if let Some(breaks) = &ida.breaks {
+        let levels: Vec<f64> = breaks.iter().flatten().copied().collect();
+        let text = range(levels.iter().copied()).map(|[least, greatest]| {
+            let span = between([least, greatest], |level| significant(level, 4));
+            format!("first at {span}{}, in {} of {curves} curves", suffix(measure), levels.len())
+        });
+        summary.line("breaks", text.unwrap_or_else(|| "no tie or damper at any level".into()));
+    }
     summary.entry("capacities", capacities);
     summary
+}
+
+/// The unit behind a number of a measure.
+fn suffix(measure: Measure) -> String {
+    if measure.unit() == "1" { String::new() } else { format!(" {}", measure.unit()) }
 }
 
 /// Writes the least and the greatest value of a fractile.

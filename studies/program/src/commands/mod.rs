@@ -11,6 +11,8 @@
 //! | [`parts`] | a folder of parts → their counts, and the parts to make |
 //! | [`merge`] | a folder of parts → the table of one run |
 //! | [`ida`] | study file → incremental dynamic analysis |
+//! | [`stripes`] | table of a sweep, or counts at levels → a fragility curve and the fractions at the levels |
+//! | [`cloud`] | table of a sweep → a line through rotations, and the probability of overturning |
 //! | [`fragility`] | table of a sweep → fragility curves |
 //! | [`rate`] | hazard curve, fragility curve → annual rate |
 //! | [`search`] | range → the values at which the outcome changes |
@@ -42,6 +44,10 @@ pub mod merge;
 pub mod ida;
 
 pub mod fragility;
+
+pub mod stripes;
+
+pub mod cloud;
 
 pub mod rate;
 

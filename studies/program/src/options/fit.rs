@@ -15,6 +15,24 @@ use rocking_studies::output::table::Table;
 use rocking_studies::output::table_files::TableFiles;
 use rocking_studies::spec::words::Words;
 
+/// The rows of a table, their clusters, and the level of confidence.
+#[derive(Args)]
+pub struct RowOptions {
+    /// Use only the rows in which a column has this value; several conditions must all hold
+    #[arg(id = "where", long, value_name = "COLUMN=VALUE")]
+    conditions: Vec<String>,
+    /// Evaluate the parts of a folder although some are missing
+    #[arg(long)]
+    partial: bool,
+    /// Confidence level of the intervals and bands
+    #[arg(long, value_name = "LEVEL", default_value_t = 0.95)]
+    pub ci: f64,
+    /// Cluster rows by the values of this column, not by the ground motions that they share (event and station, as far as the names
+    /// and titles of the records tell)
+    #[arg(long, value_name = "COLUMN")]
+    pub cluster: Option<String>,
+}
+
 /// Rows and method of a fit.
 #[derive(Args)]
 pub struct FitOptions {
@@ -25,22 +43,11 @@ pub struct FitOptions {
     /// outcomes of runs
     #[arg(long, value_name = "LIMIT")]
     pub limit: Option<Limit>,
-    /// Use only the rows in which a column has this value; several conditions must all hold
-    #[arg(id = "where", long, value_name = "COLUMN=VALUE")]
-    conditions: Vec<String>,
-    /// Evaluate the parts of a folder although some are missing
-    #[arg(long)]
-    partial: bool,
+    #[command(flatten)]
+    pub rows: RowOptions,
     /// Distribution behind the curve
     #[arg(long, value_parser = choices::link(), default_value = Link::Probit.word())]
     pub link: Link,
-    /// Confidence level of the intervals and of the band
-    #[arg(long, value_name = "LEVEL", default_value_t = 0.95)]
-    pub ci: f64,
-    /// Cluster rows by the values of this column, not by the ground motions that they share (event and station, as far as the names
-    /// and titles of the records tell)
-    #[arg(long, value_name = "COLUMN")]
-    pub cluster: Option<String>,
     /// Compute intervals from this many bootstrap samples of the motions, not from the profile likelihood (clustered by motion
     /// if rows share motions)
     #[arg(long, value_name = "SAMPLES", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
@@ -54,12 +61,19 @@ impl FitOptions {
     /// Refuses a seed without effect and an impossible confidence level.
     pub fn check(&self, explicit: &ExplicitOptions) -> anyhow::Result<()> {
         explicit.refuse_unless(self.bootstrap.is_some(), &["seed"], "without --bootstrap")?;
-        check("ci", self.ci, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")
+        self.rows.check()
     }
 
     /// Returns the method of the intervals.
     pub fn uncertainty(&self) -> Uncertainty {
         self.bootstrap.map_or(Uncertainty::Profile, |samples| Uncertainty::Bootstrap(samples, self.seed))
+    }
+}
+
+impl RowOptions {
+    /// Refuses an impossible confidence level.
+    pub fn check(&self) -> anyhow::Result<()> {
+        check("ci", self.ci, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")
     }
 
     /// Passes the rows that meet the conditions on in batches; returns the table's name. Each batch comes with whether its rows are those

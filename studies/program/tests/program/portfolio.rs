@@ -94,6 +94,27 @@ fn objects_are_ranked_by_the_rates_of_their_reports() {
     assert!(page.contains("1 (1 to 3)") && page.contains("“The tall one” comes first"));
 }
 
+/// Two floors under two records are two ground motions, in counts and in intervals, and the chart ranks the rates.
+#[test]
+fn floors_of_a_motion_are_one_motion() {
+    let folder = museum();
+    let folder = folder.path();
+    for name in ["broad", "middle", "tall one"] {
+        let file = folder.join(format!("museum/{name}.toml"));
+        let building = "[building]\nfloor_masses = [1e5, 1e5]\nstorey_stiffnesses = [4e8, 4e8]\ndamping = 0.05\nfloors = [1, 2]\n[assess]";
+        fs::write(&file, fs::read_to_string(&file).unwrap().replace("[assess]", building)).unwrap();
+    }
+    let found = json(folder, &["portfolio", "museum"]);
+    let object = &found["objects"][0];
+    assert_eq!((&object["motions"], &object["floors"]), (&2.into(), &serde_json::json!([1, 2])));
+    let (alone, _) = succeeds(&mut program(folder, &[&["assess", "museum/middle.toml", "--out", "alone"]]));
+    assert!(alone.contains("80 computed runs under 2 ground motions on 2 floors with"), "{alone}");
+    let fit = ["fragility", "alone/runs.csv", "--im", "PGV"];
+    assert_eq!(json(folder, &fit)["intervals"], "profile likelihood, clustered by 2 motions");
+    let page = fs::read_to_string(folder.join("portfolio/portfolio.html")).unwrap();
+    assert!(page.contains("95 % confidence, up to the edge") && folder.join("portfolio/ranking.png").exists());
+}
+
 /// A second call reuses the rows of the first.
 #[test]
 fn kept_rows_are_used() {

@@ -1,6 +1,6 @@
 //! `rocking fragility`: the table of a sweep → fragility curves.
 
-mod report;
+pub mod report;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -116,13 +116,13 @@ pub fn run(options: &FragilityCommand, explicit: &ExplicitOptions) -> anyhow::Re
     }
     if let Some(format) = ida_format {
         // All columns identify the curves of an analysis.
-        let rows = fit.table(&options.table)?;
+        let rows = fit.rows.table(&options.table)?;
         let curves = Ida::read(&rows, &im[0])?;
         let svg = charts::ida(&table.blocks, &curves, &rows.heading(&im[0])?)?;
         outputs.fill("ida", || Ok(format.encode(&svg)?))?;
     }
     if let Some(format) = polar_format {
-        let rows = fit.table(&options.table)?;
+        let rows = fit.rows.table(&options.table)?;
         let svg = directions(&table.blocks, &rows.directions(table.limit)?, table.limit)?;
         outputs.fill("plot-polar", || Ok(format.encode(&svg)?))?;
     }
@@ -178,13 +178,13 @@ impl FragilityCommand {
         let others: Vec<&String> = beside.iter().chain(surface).collect();
         let columns =
             im.iter().flat_map(|name| std::iter::once(one(name)).chain(others.iter().map(|other| with(name, other))));
-        let mut found = Collected::new(fit.limit, fit.cluster.clone(), columns.collect());
-        let collected = |limit| Collected::new(Some(limit), fit.cluster.clone(), vec![one(&im[0])]);
+        let mut found = Collected::new(fit.limit, fit.rows.cluster.clone(), columns.collect());
+        let collected = |limit| Collected::new(Some(limit), fit.rows.cluster.clone(), vec![one(&im[0])]);
         let further = self.export_limit.iter().map(|&limit| (limit, collected(limit)));
         let mut further: Vec<(Limit, Collected)> = further.collect();
         let (mut blocks, mut headings, mut is_in_space) = (charts::Blocks::default(), None, false);
         let named: Vec<&str> = im.iter().chain(others).map(String::as_str).collect();
-        let name = fit.read_batches(&self.table, &named, &mut |batch, is_part| {
+        let name = fit.rows.read_batches(&self.table, &named, &mut |batch, is_part| {
             blocks.take(batch);
             is_in_space = batch.is_in_space();
             if headings.is_none() {
@@ -216,7 +216,7 @@ impl FragilityCommand {
         explicit: &ExplicitOptions,
     ) -> anyhow::Result<MeasureCurve> {
         let FragilityCommand { im, beside, fit, .. } = self;
-        let FitOptions { link, ci, .. } = *fit;
+        let (link, ci) = (fit.link, fit.rows.ci);
         let TableCases { name, blocks, headings, limit, motions, stores, further, .. } = table;
         let (measure, Some(heading)) = (&im[i], headings.get(i)) else { anyhow::bail!("{name}: no rows") };
         let at = || format!("{name}: {measure}");
@@ -283,7 +283,7 @@ impl FragilityCommand {
         let fit = |(limit, Collected { limit: of_table, stores, motions, .. }): (Limit, Collected)| {
             let limit = of_table.unwrap_or(limit);
             let store = stores.into_iter().next().unwrap_or_default();
-            let found = Assessment::of(store, &motions, self.fit.link, self.fit.ci, Uncertainty::Profile);
+            let found = Assessment::of(store, &motions, self.fit.link, self.fit.rows.ci, Uncertainty::Profile);
             Ok((limit, found.with_context(|| limit.to_string())?.fit))
         };
         let further = further.into_iter().map(fit).collect::<anyhow::Result<Vec<_>>>()?;

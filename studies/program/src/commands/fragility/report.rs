@@ -6,7 +6,7 @@ use crate::commands::fragility::{MeasureCurve, TableCases};
 use crate::options::fit::FitOptions;
 use crate::output::summary::{Object, Summary, aligned};
 use rocking_charts::numerals;
-use rocking_studies::fragility::{Assessment, Interval, RowCounts, Surface};
+use rocking_studies::fragility::{Assessment, Interval, Limit, RowCounts, Surface};
 use rocking_studies::spec::words::Words;
 
 /// Warns of rows and samples left out although they may exceed the limit.
@@ -23,6 +23,16 @@ pub fn warning_of_left_out(counts: &RowCounts) -> Option<String> {
     let doubts: Vec<String> = rows.into_iter().chain(samples).chain(missing).collect();
     (!doubts.is_empty())
         .then(|| format!("{}: it is exceeded in {least:.1} % to {most:.1} % of all rows", doubts.join("; ")))
+}
+
+/// Writes a number with its interval. An end without a bound is a question mark.
+pub fn with_interval(value: f64, ends: Interval) -> String {
+    let fixed = |value: f64, decimals: usize| format!("{value:.decimals$}");
+    let ends = match ends {
+        [Some(low), Some(high)] => numerals::ends([low, high], 4, fixed),
+        ends => ends.map(|end| end.map_or("?".into(), |end| fixed(end, 4))),
+    };
+    format!("{} ({})", fixed(value, 4), ends.join(" to "))
 }
 
 /// The curve of a measure.
@@ -66,18 +76,10 @@ impl MeasureReport {
             .with("rocking", rocking)
             .with("sufficiency", sufficiency)
             .with_some("without_curve", found.without_curve());
-        let fixed = |value: f64, decimals: usize| format!("{value:.decimals$}");
-        let with = |value: f64, ends: Interval| {
-            let ends = match ends {
-                [Some(low), Some(high)] => numerals::ends([low, high], 4, fixed),
-                ends => ends.map(|end| end.map_or("?".into(), |end| fixed(end, 4))),
-            };
-            format!("{} ({})", fixed(value, 4), ends.join(" to "))
-        };
         let mut fields = vec![
             heading.into(),
-            with(median, of_median),
-            with(beta, of_beta),
+            with_interval(median, of_median),
+            with_interval(beta, of_beta),
             format!("{auc:.3}"),
             format!("{brier:.4}"),
             goodness.map_or("none".into(), |fit| format!("{:.3}", fit.p)),
@@ -119,8 +121,8 @@ impl SurfaceReport {
     }
 }
 
-/// Summarizes the curves of a table, in SI units.
-pub fn summary(table: &TableCases, fit: &FitOptions, curves: &[MeasureCurve]) -> Summary {
+/// Begins the summary of a table with its rows, and those that exceed a limit.
+pub fn summary_of_rows(name: &str, is_in_space: bool, limit: Limit, counts: &RowCounts) -> Summary {
     let RowCounts {
         all,
         decided,
@@ -131,7 +133,7 @@ pub fn summary(table: &TableCases, fit: &FitOptions, curves: &[MeasureCurve]) ->
         separated,
         undecided,
         without_response,
-    } = table.counts;
+    } = *counts;
     let left_out = [
         (failed, "failed"),
         (separated, "ended at separation"),
@@ -148,36 +150,51 @@ pub fn summary(table: &TableCases, fit: &FitOptions, curves: &[MeasureCurve]) ->
     } else {
         String::new()
     };
-    let (TableCases { name, limit, counts, .. }, link) = (table, fit.link);
     let mut summary = Summary::default();
     summary.item("table", name, "table", format!("{name}: {all} rows{left_out}"));
-    if table.is_in_space {
+    if is_in_space {
         summary.item("model", "block in space", "model", "block in space");
     }
     let limit = limit.to_string();
     summary.item("limit", &limit, "limit", format!("{limit}: exceeded in {exceeded} of {decided} rows{range}"));
     summary.entry("rows", counts);
-    // A polar chart needs no measure.
-    let [first, ..] = curves else { return summary };
-    let intervals = &first.intervals;
-    let text = format!("{link}, intervals of {} %: {intervals}", 100.0 * fit.ci);
-    summary.item("link", link.word(), "curve", text);
-    summary.entry("confidence", fit.ci);
+    summary
+}
+
+/// Adds the curves of measures with the method of their intervals.
+pub fn add_curves(summary: &mut Summary, fit: &FitOptions, intervals: &str, measures: &[&MeasureReport]) {
+    let [first, ..] = measures else { return };
+    let text = format!("{}, intervals of {} %: {intervals}", fit.link, 100.0 * fit.rows.ci);
+    summary.item("link", fit.link.word(), "curve", text);
+    summary.entry("confidence", fit.rows.ci);
     summary.entry("intervals", intervals);
-    let measures = || curves.iter().map(|curve| &curve.report);
     let head = ["measure", "median", "beta", "AUC", "Brier", "p of fit", "efficiency", "rocking", "rows"];
-    let beside = first.report.beside.iter().map(|other| format!("p beside {other}"));
+    let beside = first.beside.iter().map(|other| format!("p beside {other}"));
     let mut lines = vec![head.map(String::from).into_iter().chain(beside).collect()];
-    lines.extend(measures().map(|measure| measure.fields.clone()));
+    lines.extend(measures.iter().map(|measure| measure.fields.clone()));
     summary.text += &aligned(&lines, 0..0);
-    summary.entry("measures", measures().map(|measure| &measure.json).collect::<Vec<_>>());
-    for SurfaceReport { json, text } in curves.iter().filter_map(|curve| curve.surface.as_ref()) {
-        summary.item("surface", json, "surface", text);
-    }
-    let without: usize = measures().filter_map(|measure| measure.without_curve).sum();
+    summary.entry("measures", measures.iter().map(|measure| &measure.json).collect::<Vec<_>>());
+}
+
+/// Adds a line on the samples of the bootstrap without a curve, if there are any.
+pub fn add_without_curve(summary: &mut Summary, measures: &[&MeasureReport]) {
+    let without: usize = measures.iter().filter_map(|measure| measure.without_curve).sum();
     if without > 0 {
         let text = format!("{without} samples have no curve: their data are separable or of one class");
         summary.line("bootstrap", text);
     }
+}
+
+/// Summarizes the curves of a table, in SI units.
+pub(super) fn summary(table: &TableCases, fit: &FitOptions, curves: &[MeasureCurve]) -> Summary {
+    let mut summary = summary_of_rows(&table.name, table.is_in_space, table.limit, &table.counts);
+    // A polar chart needs no measure.
+    let [first, ..] = curves else { return summary };
+    let measures: Vec<&MeasureReport> = curves.iter().map(|curve| &curve.report).collect();
+    add_curves(&mut summary, fit, &first.intervals, &measures);
+    for SurfaceReport { json, text } in curves.iter().filter_map(|curve| curve.surface.as_ref()) {
+        summary.item("surface", json, "surface", text);
+    }
+    add_without_curve(&mut summary, &measures);
     summary
 }

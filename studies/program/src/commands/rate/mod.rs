@@ -136,7 +136,7 @@ pub fn run(options: &RateCommand, explicit: &ExplicitOptions) -> anyhow::Result<
         "{file}: the hazard grows faster towards small measures than the logistic curve falls, so that the rate is not bounded; \
          expected a hazard curve from lower levels, or --link probit"
     );
-    let ends = fragility.assessment.as_ref().map(|assessment| (fit.ci, interval(&hazard, assessment)));
+    let ends = fragility.assessment.as_ref().map(|assessment| (fit.rows.ci, interval(&hazard, assessment)));
     let heading = fragility.over.to_string();
     let (fragility, found, years) = (&fragility, &found, &options.years);
     let unknown = fragility.unknown.as_ref().map(|(rows, curves)| (*rows, unknown_rates(&hazard, curves)));
@@ -211,11 +211,11 @@ impl FragilityOptions {
 
     fn fitted(&self, path: &Path) -> anyhow::Result<Fragility> {
         let im = self.im.as_deref().context("--table without --im; expected the column of the intensity measure")?;
-        let FitOptions { link, ci, .. } = self.fit;
+        let (link, ci) = (self.fit.link, self.fit.rows.ci);
         let columns = vec![(im.into(), None)];
-        let mut found = Collected::new(self.fit.limit, self.fit.cluster.clone(), columns).with_completions();
+        let mut found = Collected::new(self.fit.limit, self.fit.rows.cluster.clone(), columns).with_completions();
         let mut heading = None;
-        let name = self.fit.read_batches(path, &[im], &mut |batch, is_part| {
+        let name = self.fit.rows.read_batches(path, &[im], &mut |batch, is_part| {
             if heading.is_none() {
                 heading = Some(batch.heading(im)?);
             }

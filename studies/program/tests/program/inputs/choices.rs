@@ -107,6 +107,11 @@ fn errors_of_the_command_line_are_one_line() {
         (&["simulate", "--alpha", "wide"][..], &["'wide' for '--alpha <RAD>'", "expected a number"][..]),
         (&["simulate", "--pulse", "one-sin"], &["'one-sin'", "possible values: none, one-sine", "similar value"]),
         (&["simulate", "--alfa", "1"], &["unexpected argument '--alfa'", "'--alpha'"]),
+        (
+            &["search", "damping", "--depth", "1"],
+            &["unexpected argument '--depth'", "`rocking sketch` and `rocking search overturning` have it"],
+        ),
+        (&["ida", "x.toml", "--rate", "1"], &["unexpected argument '--rate'", "; `rocking search damping` has it"]),
         (&["spectrum", "--pulse", "c1"], &["required", "--csv <FILE.csv>"]),
         (&["spectrum", "--csv", "x.csv", "--resume", "--force"], &["cannot be used with"]),
         (&["fragility", "x.csv", "--im", "PGV", "--limit", "-1"], &["found limit `-1`", "a number > 0"]),

@@ -7,7 +7,7 @@ use crate::outputs::folder;
 use crate::program::{fails_with, files, program, succeeds, text};
 use crate::skipped::skip;
 
-const COMMANDS: [&str; 21] = [
+const COMMANDS: [&str; 23] = [
     "simulate",
     "sketch",
     "pushover",
@@ -18,6 +18,8 @@ const COMMANDS: [&str; 21] = [
     "portfolio",
     "merge",
     "ida",
+    "stripes",
+    "cloud",
     "record",
     "pulse",
     "schema",

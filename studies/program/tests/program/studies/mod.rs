@@ -13,6 +13,7 @@ mod spectrum;
 mod stopping_rule;
 mod strengths;
 mod sweep;
+mod ways;
 
 #[path = "../../../../../tests/common/labels.rs"]
 mod labels;
