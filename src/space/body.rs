@@ -107,13 +107,7 @@ impl SpaceBody {
         };
         let root = decompose(&inertia)?;
         let loads = static_loads(&feet, mass * gravity)?;
-        let standing: Vec<[f64; 2]> = feet.iter().filter(|foot| foot.gap == 0.0).map(|foot| [foot.x, foot.y]).collect();
-        let edges = edges(&standing);
-        if edges.is_empty() {
-            return Err(SpaceError::OnLine { count: standing.len() });
-        }
-        let edge_distance = edges.iter().map(|edge| edge.distance).fold(f64::INFINITY, f64::min);
-        let corner = standing.iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
+        let (standing, edges, [edge_distance, corner]) = standing_base(&feet)?;
         let half_width = half_width.unwrap_or(edge_distance);
         let r0 = (half_width * half_width + center_height * center_height).sqrt();
         let p = match parameters.base {
@@ -122,7 +116,7 @@ impl SpaceBody {
             Base::Rectangle { .. } | Base::Circle { .. } => (gamma / (1.0 + gamma) * gravity / r0).sqrt(),
             Base::List { .. } => (0.75 * gravity / r0).sqrt(),
         };
-        let standing = standing.len() as f64;
+        let standing = standing as f64;
         let (omega_v, xi_v, stiffness, damping) = supports(parameters, p, mass / standing)?;
         let horizontal_damping = 2.0 * parameters.xi_h.unwrap_or(xi_v) * kappa.sqrt() * omega_v * (mass / standing);
         let horizontal_stiffness = kappa * stiffness;
@@ -240,6 +234,19 @@ impl SpaceBody {
         }
         self.fastest_square = sum.symmetric_eigenvalues().max();
     }
+}
+
+/// Returns the number of feet without a gap, the edges of their hull, and the distances (m) of the nearest edge and of the farthest corner.
+fn standing_base(feet: &[FootPlace]) -> Result<(usize, Vec<BaseEdge>, [f64; 2]), SpaceError> {
+    let standing: Vec<[f64; 2]> = feet.iter().filter(|foot| foot.gap == 0.0).map(|foot| [foot.x, foot.y]).collect();
+    let count = standing.len();
+    let edges = edges(&standing);
+    if edges.is_empty() {
+        return Err(SpaceError::OnLine { count });
+    }
+    let nearest = edges.iter().map(|edge| edge.distance).fold(f64::INFINITY, f64::min);
+    let corner = standing.iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
+    Ok((count, edges, [nearest, corner]))
 }
 
 /// Returns ω_v, ξ_v, and K and C of a foot, with p (rad/s) and the share of the mass (kg) of each foot without a gap.

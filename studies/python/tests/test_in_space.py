@@ -234,7 +234,7 @@ def test_a_sweep_has_the_outcomes_of_the_block(tmp_path):
     x, y = (rb.read_record(tmp_path / f"{name}.csv") for name in "xy")
     outcomes = block.outcomes(x, y=y, scale=[1.5, 3.0], azimuth=[0, 40], periods=[0.3, 1.0])
     of_runs = list(table)[list(table).index("PGA.larger") :]
-    assert of_runs == list(outcomes)[list(outcomes).index("PGA.larger") :] and len(of_runs) == 32 + 19
+    assert of_runs == list(outcomes)[list(outcomes).index("PGA.larger") :] and len(of_runs) == 32 + 18
     assert {"record", "record_y", "azimuth", "scale"} <= set(table) & set(outcomes)
     # A study changes its strength faster than its direction.
     order = [0, 2, 1, 3]
