@@ -121,7 +121,7 @@ impl Assessment {
         let covariance = clusters::covariance(&data, &fit, records);
         let bootstrap = uncertainty.bootstrap(|samples, seed| bootstrap(&data, records, link, samples, seed))?;
         let profile = LikelihoodProfile::clustered(&data, &fit, independence.deviate(confidence), covariance.clone());
-        let [median, dispersion] = intervals(&profile, bootstrap.as_ref(), confidence);
+        let [median, dispersion] = intervals(&profile, bootstrap.as_ref(), independence, confidence);
         Ok(Assessment {
             rows: rows.len(),
             without_measure: 0,
@@ -155,7 +155,7 @@ impl Assessment {
         let bootstrap = uncertainty.bootstrap(|samples, seed| rows.bootstrap(link, samples, seed, width))?;
         let independence = rows.independence();
         let profile = LikelihoodProfile::clustered(&data, &fit, independence.deviate(confidence), covariance.clone());
-        let [median, dispersion] = intervals(&profile, bootstrap.as_ref(), confidence);
+        let [median, dispersion] = intervals(&profile, bootstrap.as_ref(), independence, confidence);
         let Quality { auc, brier, groups, marks } = rows.quality(&fit);
         Ok(Assessment {
             rows: rows.count,
@@ -209,6 +209,7 @@ impl Assessment {
     /// Pointwise intervals of the probability at these measures, each above zero.
     pub fn band(&self, measures: &[f64]) -> Vec<Interval> {
         match &self.bootstrap {
+            _ if self.independence == Independence::OneMotion => vec![[None; 2]; measures.len()],
             Some(found) => {
                 let at = |&measure: &f64| found.interval(self.confidence, |fit| fit.probability(&[measure]));
                 measures.iter().map(at).collect()
@@ -250,6 +251,9 @@ impl Assessment {
                 self.units()
             )
         });
+        let alone = (self.independence == Independence::OneMotion).then(|| {
+            format!("{heading}: no intervals: the rows are {}, which tells nothing of the scatter of others; expected several", self.units())
+        });
         let beta = self.fit.dispersion();
         let falls = (beta < 0.0).then(|| {
             format!(
@@ -259,7 +263,7 @@ impl Assessment {
         });
         let missing = (self.without_measure > 0)
             .then(|| format!("{heading}: {} rows without the measure are left out of the curve", self.without_measure));
-        missing.into_iter().chain(without).chain(alike).chain(falls).collect()
+        missing.into_iter().chain(without).chain(alone).chain(alike).chain(falls).collect()
     }
 
     /// Number of bootstrap samples without a curve, if a bootstrap was made.
@@ -268,9 +272,16 @@ impl Assessment {
     }
 }
 
-/// The intervals of the median and of the dispersion: those of the bootstrap if there is one.
-fn intervals(profile: &LikelihoodProfile, bootstrap: Option<&Bootstrap>, confidence: f64) -> [Interval; 2] {
+/// The intervals of the median and of the dispersion: those of the bootstrap if there is one. Rows of a single motion do not tell how others
+/// scatter.
+fn intervals(
+    profile: &LikelihoodProfile,
+    bootstrap: Option<&Bootstrap>,
+    independence: Independence,
+    confidence: f64,
+) -> [Interval; 2] {
     match bootstrap {
+        _ if independence == Independence::OneMotion => [[None; 2]; 2],
         None => [profile.median(), profile.dispersion()],
         Some(found) => [CurveFit::median, CurveFit::dispersion].map(|feature| found.interval(confidence, feature)),
     }
