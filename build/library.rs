@@ -156,7 +156,7 @@ fn folder_in_fmu(version: Version, system: &str, architecture: &str) -> String {
     }
 }
 
-/// Returns a cargo command without the environment of the outer cargo or clippy. The user's configuration stays.
+/// Returns a cargo command without the environment of the outer cargo or clippy. The user's configuration stays, except its flags of the compiler.
 pub fn inner_cargo() -> Result<Command, String> {
     const KEPT: [&str; 10] = [
         "CARGO_HOME",

@@ -1,4 +1,4 @@
-//! Kinetic energy added by the change of the horizontal constraint at lift-off; prints the table of docs/model.md:
+//! Kinetic energy added by the change of the horizontal constraint at lift-off; prints the table of docs/unit/model.md:
 //! `cargo run --release --example lift_off`.
 
 #[path = "../tests/common/mod.rs"]

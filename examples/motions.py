@@ -3,7 +3,7 @@
     python examples/motions.py
 
 They go to the folder `motions` beside this file, as CSV. They stand in for 40 earthquakes, which have to come from a database
-(docs/records.md): these have the shapes of two records, and differ in duration and periods alone. Needs Python without packages,
+(docs/studies/records.md): these have the shapes of two records, and differ in duration and periods alone. Needs Python without packages,
 and the program: `target/release/rocking`, or that of the variable ROCKING.
 """
 

@@ -1,6 +1,6 @@
 """Anchored bookcases and filing cabinets of FEMA P-58: the curves that the library leaves to the user, as files for pelicun.
 
-Prints the table of docs/contents.md on anchored contents, and writes fragility.csv and fragility.json into a folder, by default
+Prints the table of docs/studies/contents.md on anchored contents, and writes fragility.csv and fragility.json into a folder, by default
 examples/python/anchored_contents. `--records FOLDER` takes your own accelerograms instead of the two that come with the project.
 """
 

@@ -1,6 +1,6 @@
 """Bookcases and filing cabinets of FEMA P-58 that overturn on the floors of buildings: medians of peak floor velocity.
 
-Prints the table of docs/contents.md: the medians of the library beside those of rigid blocks of the same size, on rough and on
+Prints the table of docs/studies/contents.md: the medians of the library beside those of rigid blocks of the same size, on rough and on
 smooth floors. `--records FOLDER` takes your own accelerograms instead of the two that come with the project.
 """
 

@@ -1,7 +1,7 @@
 """The bridge tower of Palmeri and Makris (2008) without and with the energy absorbers that their analysis leaves out.
 
-Prints the tables of docs/tower.md and draws tower.png beside this file. `--records FOLDER` names a folder with the records of Table I, as
-docs/figures.md lists them; the pulse of Table I replaces a missing record. `--yield-force` and `--yield-elongation` try other absorbers.
+Prints the tables of docs/studies/tower.md and draws tower.png beside this file. `--records FOLDER` names a folder with the records of Table I, as
+docs/unit/figures.md lists them; the pulse of Table I replaces a missing record. `--yield-force` and `--yield-elongation` try other absorbers.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 //! Embedded Runge-Kutta pairs compared by their evaluations for a given error, on the smooth pieces between the events of
 //! the reference cases: `cargo run --release --example runge_kutta_pairs`.
 //!
-//! Prints the table of docs/integrator.md. Missing records are named and left out.
+//! Prints the table of docs/code/integrator.md. Missing records are named and left out.
 
 #[path = "../../tests/common/mod.rs"]
 #[allow(dead_code, reason = "the tests use more of it")]

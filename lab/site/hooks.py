@@ -148,7 +148,7 @@ def python_reference():
     tree = ast.parse(source.read_text())
     names = next(ast.literal_eval(node.value) for node in tree.body
                  if isinstance(node, ast.Assign) and node.targets[0].id == "__all__")
-    page = "# Python package\n\nThe public names of `rocking_block`, from their docstrings. [The guide](../python.md) shows how they work together.\n"
+    page = "# Python package\n\nThe public names of `rocking_block`, from their docstrings. [The guide](../studies/python.md) shows how they work together.\n"
     for title, chosen in {
         "Functions": [name for name in names if name.islower() and name != "foundations"],
         "Classes": [name for name in names if not name.islower()],
@@ -172,7 +172,7 @@ def fmu_reference():
     """Tabulates the variables of modelDescription.xml."""
     root = ET.parse(ROOT / "modelDescription.xml").getroot()
     variables = [(variable, variable[0]) for variable in root.iter("ScalarVariable")]
-    page = ("# Variables of the FMU\n\nFrom `modelDescription.xml`, which defines both FMUs. [Importers](../importing.md) explains the "
+    page = ("# Variables of the FMU\n\nFrom `modelDescription.xml`, which defines both FMUs. [Importers](../unit/importing.md) explains the "
             "settings that matter. Where no start value is given, the variable is calculated.\n")
     order = list(CAUSALITIES)
     variables.sort(key=lambda entry: order.index(entry[0].get("causality", "local")))

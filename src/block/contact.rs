@@ -105,7 +105,7 @@ pub enum Contact<T = f64> {
     /// Standing on its support, or on the rigid base.
     Bearing,
     /// On its support without load, while the support creeps to its free height. Full contact would lift the corner, and the regime without
-    /// it would press it back. See docs/model.md.
+    /// it would press it back. See docs/unit/model.md.
     Held(Creep<T>, StandingSlide),
     /// Off its support, which creeps back to its free height.
     Lifted(Creep<T>),

@@ -2,7 +2,7 @@
 //!
 //! The pair is DOP853: order 8 with embedded results of order 5 and 3, and a dense output of order 7 that costs three more evaluations in
 //! the steps that ask for it. If the next stop is so close that order 5 suffices, a [`ShortStep`](super::short::ShortStep) takes half the
-//! evaluations. docs/integrator.md compares the pairs.
+//! evaluations. docs/code/integrator.md compares the pairs.
 
 use crate::numerics::coefficients::{NODES, combine, dense, difference, increment};
 use crate::numerics::numbers::Numbers;

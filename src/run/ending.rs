@@ -16,7 +16,7 @@ pub enum Ending {
 
 impl Ending {
     /// Returns the ending of a run whose block leaves its last support. It does so at the rotation θ (rad) and the rate θ̇ (rad/s); `alpha`
-    /// (rad) is the slenderness angle of the side to which it tilts. docs/model.md gives the rate of misjudged runs.
+    /// (rad) is the slenderness angle of the side to which it tilts. docs/unit/model.md gives the rate of misjudged runs.
     pub fn at_separation(alpha: f64, theta: f64, theta_dot: f64) -> Ending {
         if theta.abs() >= alpha && theta * theta_dot > 0.0 { Ending::Toppled } else { Ending::Separated }
     }

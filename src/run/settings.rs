@@ -42,7 +42,7 @@ impl Settings {
     /// The smallest and the largest tolerance. A new run replaces one outside by the nearer one.
     pub const TOLERANCES: [f64; 2] = [1e-14, 1e-1];
 
-    /// The tolerance of studies, which need only outcome and peak rotation. docs/performance.md gives its effect.
+    /// The tolerance of studies, which need only outcome and peak rotation. docs/code/performance.md gives its effect.
     pub const OF_STUDIES: f64 = 1e-6;
 
     /// Returns the settings with a tolerance within its limits.

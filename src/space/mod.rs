@@ -1,7 +1,7 @@
 //! The block in space: a rigid body on n feet with friction, shaken in three directions.
 //!
 //! Every foot is a vertical spring and dashpot that cannot pull, with a horizontal spring, dashpot and Coulomb slider. All forces are functions
-//! of the state. docs/model.md has the equations.
+//! of the state. docs/unit/model.md has the equations.
 //!
 //! | module | in → out |
 //! | --- | --- |

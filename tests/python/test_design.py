@@ -1,4 +1,4 @@
-"""The lists of files in docs/design.md, "How to add", are those that the code shows.
+"""The lists of files in docs/code/design.md, "How to add", are those that the code shows.
 
 A file that names every pulse is one that a further pulse touches: it must be in the list of pulses. A file in the list that names none is out
 of date.
@@ -13,7 +13,7 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PRODUCT = [
     "modelDescription.xml",
-    "docs/*.md",
+    "docs/**/*.md",
     "src/**/*.rs",
     "crates/*/src/**/*.rs",
     "lab/wasm/src/**/*.rs",
@@ -30,14 +30,14 @@ def text(path: str) -> str:
 
 
 def product() -> dict[str, str]:
-    """The texts of all product files except docs/design.md."""
+    """The texts of all product files except docs/code/design.md."""
     paths = {str(path.relative_to(ROOT)) for pattern in PRODUCT for path in ROOT.glob(pattern) if path.name != "tests.rs"}
-    return {path: text(path) for path in sorted(paths - {"docs/design.md"})}
+    return {path: text(path) for path in sorted(paths - {"docs/code/design.md"})}
 
 
 def items() -> dict[str, str]:
     """The items of "How to add", by the words in bold."""
-    section = text("docs/design.md").split("## How to add", 1)[1]
+    section = text("docs/code/design.md").split("## How to add", 1)[1]
     return dict(re.findall(r"^- \*\*(.+?)\*\*(.*?)(?=^- \*\*|\Z)", section, re.M | re.S))
 
 
@@ -110,7 +110,7 @@ def test_a_list_has_the_files_that_name_all_of_a_kind(kind: str) -> None:
     files = product()
     missing = [path for path, code in files.items() if path not in listed and all(is_named(code, name) for name in known)]
     superfluous = [path for path in sorted(listed & files.keys()) if not any(is_named(files[path], name) for name in known)]
-    assert (missing, superfluous) == ([], []), f"docs/design.md, {kind}: missing and superfluous"
+    assert (missing, superfluous) == ([], []), f"docs/code/design.md, {kind}: missing and superfluous"
 
 
 @pytest.mark.check
@@ -124,4 +124,4 @@ def test_listed_files_exist(kind: str, listed: set[str]) -> None:
 def test_names_in_a_list_occur_in_its_files(kind: str) -> None:
     code = "\n".join(text(path) for path in lists()[kind])
     unknown = [name for name in re.findall(r"`([A-Z]\w+)`", items()[kind]) if not re.search(rf"\b{name}\b", code)]
-    assert unknown == [], f"docs/design.md, {kind}"
+    assert unknown == [], f"docs/code/design.md, {kind}"

@@ -1,12 +1,12 @@
-"""Compares docs/equations.md with the documentation of the functions that it names, with the equations cited in the code, and with the
-sections of docs/model.md."""
+"""Compares docs/unit/equations.md with the documentation of the functions that it names, with the equations cited in the code, and with the
+sections of docs/unit/model.md."""
 
 import re
 
 import pytest
 from conftest import ROOT
 
-PAGE = ROOT / "docs/equations.md"
+PAGE = ROOT / "docs/unit/equations.md"
 ITEM = r"(?:pub(?:\([a-z ]+\))? )?(?:const )?(?:fn|struct|enum|const)? ?{name}\b"
 
 
@@ -67,7 +67,7 @@ def test_the_page_has_each_equation_that_the_code_cites():
 
 def test_the_page_has_each_section_of_the_model_with_equations():
     listed = {match for first, *_ in rows() for match in re.findall(r"\[(.+)\]\(model\.md", first)}
-    sections = re.split(r"^## ", (ROOT / "docs/model.md").read_text(), flags=re.MULTILINE)[1:]
+    sections = re.split(r"^## ", (ROOT / "docs/unit/model.md").read_text(), flags=re.MULTILINE)[1:]
     having = {section.splitlines()[0] for section in sections if re.search(r"^    .*=", section, re.MULTILINE)}
     assert len(having) > 4
     assert having <= listed

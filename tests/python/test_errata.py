@@ -1,4 +1,4 @@
-"""Derives the errors in the printed paper that docs/model.md lists, by computer algebra."""
+"""Derives the errors in the printed paper that docs/unit/model.md lists, by computer algebra."""
 
 from math import pi, sqrt
 

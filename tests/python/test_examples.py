@@ -236,7 +236,7 @@ SEPARATING = {"dimensionless.alpha": 0.25, "dimensionless.p": 1.0, "initial.thet
 
 @pytest.mark.parametrize("master, outcome", [("fmpy", "ends"), ("libcosimpy", "fails"), ("ecospy", "goes on"), ("fmi-sim", "ends")])
 def test_what_masters_make_of_a_discard(fmu, master, outcome, monkeypatch):
-    """The claims of docs/importing.md on complete separation, which happens at 0.067 s here."""
+    """The claims of docs/unit/importing.md on complete separation, which happens at 0.067 s here."""
     need_master(master)
     import one_line
 

@@ -174,8 +174,8 @@ def test_directional_and_output_derivatives(fmu):
 
 
 def test_the_example_of_the_page(fmu, capsys):
-    """Runs the Python of docs/importing.md unchanged, on the FMU under test."""
-    text = (ROOT / "docs/importing.md").read_text()
+    """Runs the Python of docs/unit/importing.md unchanged, on the FMU under test."""
+    text = (ROOT / "docs/unit/importing.md").read_text()
     (code,) = [code for code in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "fmpy" in code]
     code = code.replace("target/release/RockingBlock.fmu", fmu)
     exec(compile(code, "importing.md", "exec"), {})

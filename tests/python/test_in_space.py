@@ -164,7 +164,7 @@ def test_fmusim_runs_both_interfaces(in_space, interface, tmp_path):
     if shutil.which("fmusim") is None:
         pytest.skip("fmusim is not installed")
     if interface == "me" and in_space.endswith("fmi3.fmu"):
-        pytest.skip("fmusim 0.8.0 refuses every unit in Model Exchange of FMI 3.0: docs/importing.md")
+        pytest.skip("fmusim 0.8.0 refuses every unit in Model Exchange of FMI 3.0: docs/unit/importing.md")
     start = {"initial.tilt_x": 0.06, "initial.tilt_y": 0.04, "initial.omega_z": 0.1}
     values = [word for name, value in start.items() for word in ("--start-value", f"{name}={value}")]
     outputs = ["--output-variable", "tilt", "--output-variable", "twist"]

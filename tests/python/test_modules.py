@@ -68,8 +68,8 @@ def test_bodies_share_only_modules_below_both(body: tuple[str, ...], other: tupl
     assert not found
 
 
-# Variants of one thing; a build or a caller chooses one: the two C interfaces, and the vectors of a processor.
-VARIANTS = [re.compile(pattern) for pattern in (r"^fmi(::\w+)*$", r"^numerics::wide::(portable|x86)$", r"^unit::(in_space::)?variables$")]
+# Variants of one thing; a build or a caller chooses one: the two C interfaces, the vectors of a processor, and a program with or without Parquet.
+VARIANTS = [re.compile(pattern) for pattern in (r"^fmi(::\w+)*$", r"^numerics::wide::(portable|x86)$", r"^output::(no_)?parquet$", r"^unit::(in_space::)?variables$")]
 
 
 @pytest.mark.check
@@ -89,7 +89,7 @@ def test_a_type_name_has_one_meaning_in_a_crate(source: pathlib.Path) -> None:
 
 @pytest.mark.check
 def test_few_files_of_the_unit_name_ties() -> None:
-    """Ties are known to their folder, to the list of kinds, and to the variables of the FMU (docs/design.md, "How to add")."""
+    """Ties are known to their folder, to the list of kinds, and to the variables of the FMU (docs/code/design.md, "How to add")."""
     tie = re.compile(r"(?<![A-Za-z])(?:un)?[Tt]ie[sd]?(?![a-z])|(?<![A-Z])TIES?(?![A-Z])|[a-z]Ties?(?![a-z])")
     naming = {path.relative_to(ROOT) for path in (ROOT / "src").rglob("*.rs") if tie.search(path.read_text(encoding="utf-8"))}
     beside = {path for path in naming if not path.is_relative_to("src/block/restraints/tie")}

@@ -20,12 +20,12 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMAND_PAGES = [ROOT / page for page in (
-    "README.md", "docs/program.md", "docs/python.md", "docs/foundations.md", "docs/tutorial.md", "docs/gallery.md", "docs/pulses.md",
+    "README.md", "docs/studies/program.md", "docs/studies/python.md", "docs/studies/foundations.md", "docs/tutorial.md", "docs/gallery.md", "docs/studies/pulses.md",
     "docs/guides/record.md", "docs/guides/foundation.md", "docs/guides/fragility.md", "docs/guides/analysis.md")]
-PYTHON_PAGES = [ROOT / page for page in ("README.md", "docs/python.md", "docs/importing.md", "docs/guides/fmu.md", "docs/frames.md",
+PYTHON_PAGES = [ROOT / page for page in ("README.md", "docs/studies/python.md", "docs/unit/importing.md", "docs/guides/fmu.md", "docs/studies/frames.md",
                                              "docs/guides/slenderness.md",
                                              "docs/guides/analysis.md",
-                                             "docs/floors.md")]
+                                             "docs/studies/floors.md")]
 PROGRAM = Path(os.environ.get("ROCKING_BLOCK_PROGRAM", ROOT / "target/release/rocking"))
 FMU = Path(os.environ.get("ROCKING_BLOCK_FMU", ROOT / "target/release/RockingBlock.fmu"))
 # A block of indented lines after an empty one, and a fence.
@@ -78,7 +78,7 @@ class Workplace:
 
     def pictures(self):
         """Returns the pictures that the commands have drawn and docs shows, each with its file in docs."""
-        return {picture: ROOT / "docs" / picture.name for picture in self.folder.glob("*.png") if (ROOT / "docs" / picture.name).exists()}
+        return {picture: ROOT / "docs/pictures" / picture.name for picture in self.folder.glob("*.png") if (ROOT / "docs/pictures" / picture.name).exists()}
 
     def prints(self, page):
         """Runs the Python of a page; returns pairs of expected and actual output lines."""
@@ -225,12 +225,12 @@ def test_tables_list_every_choice_of_the_program():
         return subprocess.run([PROGRAM, *words], capture_output=True, text=True, check=True).stdout
 
     overview = told("--help").split("Commands:")[1].split("Options:")[0]
-    assert first_column(ROOT / "docs/program.md") == set(re.findall(r"^  (\w+) ", overview, re.MULTILINE)) - {"help"}
+    assert first_column(ROOT / "docs/studies/program.md") == set(re.findall(r"^  (\w+) ", overview, re.MULTILINE)) - {"help"}
     formats = " ".join(told("record", "--help").split("Format, if the content leaves it open:")[1].split("--channel")[0].split())
     # The layout of lines of fixed width is an option of its own.
-    assert first_column(ROOT / "docs/records.md") == set(re.findall(r"\w+", formats)) - {"or"} | {"fixed"}
+    assert first_column(ROOT / "docs/studies/records.md") == set(re.findall(r"\w+", formats)) - {"or"} | {"fixed"}
     shapes = json.loads(told("schema", "study"))["$defs"]["pulse.shape"]["enum"]
-    assert first_column(ROOT / "docs/pulses.md") == set(shapes) - {"none"}
+    assert first_column(ROOT / "docs/studies/pulses.md") == set(shapes) - {"none"}
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ import compare  # noqa: E402
 from work import cheapest  # noqa: E402
 
 OURS = compare.OURS
-POINTS = compare.read(ROOT / "docs/peers.csv")
+POINTS = compare.read(ROOT / "docs/code/peers.csv")
 
 
 def test_a_run_measures_each_solver(tmp_path, monkeypatch):
@@ -50,7 +50,7 @@ NAMES = {
 
 
 def test_the_table_of_single_runs_is_that_of_the_measured_points():
-    text = (ROOT / "docs/performance.md").read_text()
+    text = (ROOT / "docs/code/performance.md").read_text()
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.startswith("| ")]
     head = next(row for row in rows if "sine_rigid" in row)
     assert head[1:] == [*cases.PULSES, cases.RECORD]

@@ -29,6 +29,14 @@ def test_lines_are_narrow(page):
     assert not wide
 
 
+@pytest.mark.parametrize("page", NARROW)
+def test_tables_have_a_row_in_each_line(page):
+    """A wrapped table is a paragraph of bars."""
+    prose = re.sub(r"```.*?```", "", (ROOT / page).read_text(), flags=re.DOTALL)
+    assert not [line for line in prose.splitlines() if re.search(r"\| ?:?---+", line) and not line.lstrip().startswith("|")]
+    assert "| | ---" not in prose
+
+
 def test_the_number_of_trajectories():
     every, restricted = 0, 0
     for folder in ("reference", "reference_more", "reference_links"):
@@ -44,12 +52,12 @@ def test_the_accuracy_of_the_trajectories():
     close = re.search(r"const CLOSE: f64 = (\S+);", (ROOT / "tests/simulation/beyond/mod.rs").read_text())[1]
     bound = re.search(r'name: "theta", unit: "alpha", all: \[\S+, (\S+)\], sensitive: \[\S+, (\S+)\]', (ROOT / "tests/common/compare.rs").read_text())
     assert float(bound[1]) <= float(close)
-    assert f"agree to {close} α in rotation, one of sensitive motion to {bound[2]} α" in TEXT
+    assert f"agree to {close} α in rotation (a sensitive one to {bound[2]} α)" in TEXT
 
 
 def test_the_baselines_of_the_validation():
-    """test_validation.py recomputes docs/validation.md from the data."""
-    lines = (ROOT / "docs/validation.md").read_text().split("| SP1: accuracy")[1].splitlines()[2:]
+    """test_validation.py recomputes docs/unit/validation.md from the data."""
+    lines = (ROOT / "docs/unit/validation.md").read_text().split("| SP1: accuracy")[1].splitlines()[2:]
     table = {cells[1].strip(" *"): [cells[2].strip(" *"), cells[5].strip(" *")]
              for cells in (line.split("|") for line in takewhile(lambda line: line.startswith("|"), lines))}
 

@@ -30,7 +30,7 @@ def test_the_first_page_has_the_summary_and_its_pictures(program, study, tmp_pat
     pages, size = printed(tmp_path / "report.html")
     assert size == (210, 297)
     first, second = (page.extract_text() for page in pages[:2])
-    # The page is the one that docs/assess.md describes, and the others are few.
+    # The page is the one that docs/studies/assess.md describes, and the others are few.
     assert first.index("The object") < first.index("Summary") and "2026-11-29" in first
     assert "Words and symbols" in second and len(pages) <= 10
     # The sketch and what helps; the rate if the study has a hazard curve. Curves beside it would leave neither legible.

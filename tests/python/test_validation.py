@@ -25,8 +25,8 @@ def data(name):
 
 
 def documented(row):
-    """Returns accuracy, AUC and Brier score of both rocks as printed in the first table of docs/validation.md."""
-    lines = (ROOT / "docs/validation.md").read_text().splitlines()
+    """Returns accuracy, AUC and Brier score of both rocks as printed in the first table of docs/unit/validation.md."""
+    lines = (ROOT / "docs/unit/validation.md").read_text().splitlines()
     line = next(line for line in lines if line.startswith("| ") and line.strip("| *").startswith(row))
     numbers = [cell.strip(" *") for cell in line.split("|")[2:-1]]
     return {"SP1": numbers[:3], "SP2": numbers[3:]}

@@ -1,4 +1,4 @@
-"""The FMU for WebAssembly beside the native FMU of FMI 3.0: the same bits, states and messages. docs/wasm.md."""
+"""The FMU for WebAssembly beside the native FMU of FMI 3.0: the same bits, states and messages. docs/unit/wasm.md."""
 
 import json
 import os

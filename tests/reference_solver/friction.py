@@ -1,4 +1,4 @@
-"""The block on supports with an eccentric centre of mass, Coulomb friction and links: docs/model.md, Friction, ties and uneven bodies.
+"""The block on supports with an eccentric centre of mass, Coulomb friction and links: docs/unit/model.md, Friction, ties and uneven bodies.
 
 The state is v, θ, v̇, θ̇, u, u̇, of the centre of mass relative to the ground.
 """

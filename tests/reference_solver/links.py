@@ -1,7 +1,7 @@
 """Ties and dampers: spring and dashpot between a point of the block and one of the ground, which may go slack, yield and break.
 
 The spring force is k (s - s_p) with the plastic elongation s_p. A tie pulls with T = max(0, spring force + c ṡ) while its spring is
-stretched, a damper with T = spring force + c ṡ either way. In full, docs/model.md, Friction, ties and uneven bodies.
+stretched, a damper with T = spring force + c ṡ either way. In full, docs/unit/model.md, Friction, ties and uneven bodies.
 """
 
 from math import cos, hypot, sin

@@ -1,6 +1,6 @@
 """The paper's block: on a rigid base, and on supports whose standing corner does not slide.
 
-Equations (7) to (17) of docs/model.md, for any place of the centre of mass over the base (friction.py needs that): with
+Equations (7) to (17) of docs/unit/model.md, for any place of the centre of mass over the base (friction.py needs that): with
 S = sin θ, c = cos θ, and b_I the horizontal distance from the centre of mass to corner I at θ = 0,
     X_I = h S ± b_I c       how far the centre of mass is to the right of corner I (+ on L); R0 sin(α+θ), -R0 sin(α-θ)
     Q_I = h c ∓ b_I S       and how high above it; R0 cos(α+θ), R0 cos(α-θ)

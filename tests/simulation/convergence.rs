@@ -389,7 +389,7 @@ fn from_housner(eta: f64, xi_v: f64, epsilon: f64, of: f64) -> f64 {
     soft.iter().zip(rigid).map(|(soft, rigid)| (soft - rigid).abs()).fold(0.0, f64::max) / 0.25
 }
 
-/// Damped supports with ε = 0 tend to Housner's block as η⁻²; docs/model.md has the numbers.
+/// Damped supports with ε = 0 tend to Housner's block as η⁻²; docs/unit/model.md has the numbers.
 #[test]
 fn damped_supports_tend_to_the_rigid_base() {
     for xi_v in [0.1, 0.4] {

@@ -152,7 +152,7 @@ fn theta_is_within_the_tolerance() {
             if greatest > 1.0 {
                 failures.push(format!("{} at {tolerance:e}: theta is off by {greatest:.2} tolerances", case.name));
             }
-            // Works accumulate the errors of all steps; see docs/integrator.md.
+            // Works accumulate the errors of all steps; see docs/code/integrator.md.
             let most = (5.0 * tolerance).min(1e-5);
             if residual > most * greatest_energy {
                 failures.push(format!("{} at {tolerance:e}: residual {residual:e}", case.name));

@@ -39,7 +39,7 @@ fn a_block_that_has_decayed_is_at_rest() {
 }
 
 /// Under a constant push the block comes to rest in equilibrium: with `S = sin θ`, `c = cos θ`,
-/// `ω_v² b² S c = −h c a_gx + h S g` (docs/model.md, full contact without motion).
+/// `ω_v² b² S c = −h c a_gx + h S g` (docs/unit/model.md, full contact without motion).
 #[test]
 fn a_pushed_block_rests_where_the_supports_balance_it() {
     let block = on(Foundation::Viscoelastic, 0.25, 1.0, 40.0, 0.2);

@@ -34,7 +34,7 @@ fn common() -> Common {
     Common { mass: 7.0, gamma: 2.3, epsilon: 0.35, gravity: 9.7, ..Common::default() }
 }
 
-/// Both parameterizations of outline and supports satisfy the relations of docs/model.md, in any combination.
+/// Both parameterizations of outline and supports satisfy the relations of docs/unit/model.md, in any combination.
 #[test]
 fn parameters_satisfy_the_relations_of_the_paper() {
     let paper = Block::from_dimensionless(&PAPER, &common()).unwrap();

@@ -1,5 +1,5 @@
 /*
- * The block of docs/model.md for solvers in C and C++: equations of motion, surfaces, impacts, and the case file.
+ * The block of docs/unit/model.md for solvers in C and C++: equations of motion, surfaces, impacts, and the case file.
  *
  *   SOLVER CASE METHOD TOLERANCE time SECONDS    repeats the run for this CPU time; one line of JSON
  *   SOLVER CASE METHOD TOLERANCE trace           the rotation at multiples of the case's dt; one line of JSON

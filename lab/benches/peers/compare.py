@@ -1,7 +1,7 @@
 """Compares this project's core with the solvers that engineers would otherwise use; `run` calls this script.
 
-Prints the cost of an error for each solver, writes every point to docs/peers.csv, and draws the work-precision diagram
-docs/peers.png. A run without some solvers or cases writes both to target/peers. README.md in this folder describes the comparison.
+Prints the cost of an error for each solver, writes every point to docs/code/peers.csv, and draws the work-precision diagram
+docs/pictures/peers.png. A run without some solvers or cases writes both to target/peers. README.md in this folder describes the comparison.
 """
 
 import argparse
@@ -216,7 +216,7 @@ def parse():
     parser.add_argument("--records", type=Path, default=cases.ROOT.parent / "shared" / "records")
     parser.add_argument("--cases", nargs="*", default=None, help="only these cases")
     parser.add_argument("--without", nargs="*", action="extend", default=[], help="not these solvers")
-    parser.add_argument("--read", action="store_true", help="no runs: tables and diagram from docs/peers.csv")
+    parser.add_argument("--read", action="store_true", help="no runs: tables and diagram from docs/code/peers.csv")
     arguments = parser.parse_args()
     if arguments.quick:
         arguments.rounds = 1
@@ -242,7 +242,7 @@ def write(path, points):
 
 def main():
     arguments = parse()
-    table, missing = cases.ROOT / "docs" / "peers.csv", []
+    table, missing = cases.ROOT / "docs/code/peers.csv", []
     if arguments.read:
         points = read(table)
     else:

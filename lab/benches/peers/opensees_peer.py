@@ -9,7 +9,7 @@ Kelvin-Voigt pad through a contact that transmits compression only, and grips wh
 contacts and beams, GRIP the horizontal stiffness of the contacts, both relative to a support; STEP is the time step (s).
 
 OpenSees has no impact map: a landing corner keeps its velocity, as with epsilon = 1. While both corners grip, the block
-cannot turn without stretching its base, whereas the model of docs/model.md holds only the middle of the base. GRIP must
+cannot turn without stretching its base, whereas the model of docs/unit/model.md holds only the middle of the base. GRIP must
 therefore be neither small nor large.
 """
 

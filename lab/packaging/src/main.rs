@@ -1,7 +1,7 @@
 //! FMUs of single targets → the packages of a release, with their binaries' system requirements checked.
 //!
 //! `packaging merge OUT IN…` merges the binaries of several FMUs into one; `packaging check FMU…` prints the requirements of the
-//! binaries and fails if they exceed those in docs/packaging.md; `packaging only OUT FMU PLATFORM…` keeps only the binaries in
+//! binaries and fails if they exceed those in docs/code/packaging.md; `packaging only OUT FMU PLATFORM…` keeps only the binaries in
 //! these folders of `binaries`; `packaging unpack FMU FOLDER` unpacks an FMU.
 
 #[path = "../../../build/container.rs"]

@@ -1,6 +1,6 @@
 //! Finds the one-sine pulses under which the paper's findings on Figures 6 and 7 hold.
 //!
-//! `cargo run --release -p paper-figures --example pulse_plane` writes docs/pulse_plane.png and prints the number of pulses of
+//! `cargo run --release -p paper-figures --example pulse_plane` writes docs/pictures/pulse_plane.png and prints the number of pulses of
 //! each kind.
 
 use paper_figures::plane::{BOUNDS, Grid, picture};

@@ -125,7 +125,7 @@ impl GroundMotion {
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     /// The folder does not exist.
-    #[error("{0}: no such folder; expected one with the records of Table I (docs/figures.md)")]
+    #[error("{0}: no such folder; expected one with the records of Table I (docs/unit/figures.md)")]
     Folder(String),
     /// A file is invalid.
     #[error(transparent)]

@@ -1,4 +1,4 @@
-//! Makes the figures of the paper: `cargo run --release -p paper-figures -- --out FOLDER`. docs/figures.md compares them with the printed ones.
+//! Makes the figures of the paper: `cargo run --release -p paper-figures -- --out FOLDER`. docs/unit/figures.md compares them with the printed ones.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ struct Options {
     /// Folder for the pictures and tables, created if missing
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Folder with the records of Table I, named as in docs/figures.md; a pulse replaces each missing record
+    /// Folder with the records of Table I, named as in docs/unit/figures.md; a pulse replaces each missing record
     #[arg(long, value_name = "DIR")]
     records: Option<PathBuf>,
     /// Numbers of the figures to compute, as in 6,9; by default all

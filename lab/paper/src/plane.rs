@@ -3,7 +3,7 @@
 //! The paper's text does not give the pulse, but describes its effects on a block with α = 0.25, p = 1 rad/s, ξ_v = 0.1. With
 //! ε = 0 and η = 20, 40, 60, 80 the peak rotation is slightly below that on the rigid base and rises towards it with η;
 //! a larger ε or η makes separation more likely. The example `pulse_plane` draws the pulses with these effects, and
-//! docs/figures.md draws the conclusions.
+//! docs/unit/figures.md draws the conclusions.
 
 use std::ops::Range;
 
@@ -103,7 +103,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Grid of docs/pulse_plane.png.
+    /// Grid of docs/pictures/pulse_plane.png.
     pub const FULL: Grid = Grid { amplitude: (1.0, 6.0, 101), frequency: (1.0, 15.0, 141) };
 
     fn value((from, to, count): (f64, f64, u64), i: u64) -> f64 {

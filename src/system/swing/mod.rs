@@ -33,7 +33,7 @@ use crate::excitation::{Excitation, Forcing, ForcingSeries};
 use crate::numerics::bernstein::{DEGREE, Pair, Row};
 use crate::numerics::scalar::{Real, Runs, Scalar, greatest, least};
 
-/// The highest power of a swing. More would make steps longer, but cost more than they save; docs/integrator.md.
+/// The highest power of a swing. More would make steps longer, but cost more than they save; docs/code/integrator.md.
 pub const ORDER: usize = 16;
 
 type Series<T = f64> = [T; ORDER + 1];

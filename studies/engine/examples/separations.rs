@@ -1,4 +1,4 @@
-//! Error rates of the rules of docs/model.md that decide the outcome of a run early.
+//! Error rates of the rules of docs/unit/model.md that decide the outcome of a run early.
 //!
 //!     cargo run --release -p rocking-studies --example separations [RECORD ...]
 //!

@@ -1,7 +1,7 @@
 //! Free-standing columns under a beam → their equivalent block, and the forces of the frame.
 //!
 //! N. Makris, M. F. Vassiliou, Planar rocking response and stability analysis of an array of free-standing columns capped with a
-//! freely supported rigid beam, EESD 42 (2013) 431–449, doi:10.1002/eqe.2222. docs/frames.md has the derivation, which holds for
+//! freely supported rigid beam, EESD 42 (2013) 431–449, doi:10.1002/eqe.2222. docs/studies/frames.md has the derivation, which holds for
 //! any moment of inertia of the columns.
 
 use crate::output::table::{Table, TableColumn};

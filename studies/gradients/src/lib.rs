@@ -9,7 +9,7 @@
 //!
 //! The tangent equations are the equations of motion in numbers with derivatives, integrated over the steps of the run by the same
 //! formulas. At an event the derivative of its time follows from the event function, and the transition is applied at that moving time
-//! (the saltation matrix of hybrid systems). docs/gradients.md has the method and its limits.
+//! (the saltation matrix of hybrid systems). docs/studies/gradients.md has the method and its limits.
 
 pub mod advance;
 pub mod follower;

@@ -266,7 +266,7 @@ def fit(
     free : sequence of str
         Free parameters of the block, by the names of `Block.run(gradients=...)`: "alpha", "p", "restitution_factor", ...
     bounds : mapping of str to (float, float), optional
-        Bounds of free parameters; by default a range about their values (docs/fit.md).
+        Bounds of free parameters; by default a range about their values (docs/studies/fit.md).
     prior : mapping of str to (float, float), optional
         Mean and standard deviation from other knowledge; needs the noise of each test.
     starts : int

@@ -131,7 +131,7 @@ class Frame:
 def frame(columns: int, column: Block, beam_mass: float) -> Frame:
     """Returns the frame of equal free-standing columns under a rigid beam that rests freely on them, on a rigid base.
 
-    It rocks like a block of the same slenderness (Makris and Vassiliou 2013, doi:10.1002/eqe.2222); docs/frames.md derives
+    It rocks like a block of the same slenderness (Makris and Vassiliou 2013, doi:10.1002/eqe.2222); docs/studies/frames.md derives
     the block and the forces.
 
     Parameters

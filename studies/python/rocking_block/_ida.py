@@ -127,7 +127,7 @@ def ida(
     A study says in `[study]` which levels of an intensity measure to run: given ones, `levels = { im = "PGV", values = [0.2, 0.4] }`, or by hunt
     and fill, `hunt = { im = "PGV", first = 0.1, runs = 12 }`, for each record and block alone: the level rises by growing steps until the
     block overturns, then runs close in on the least level that does, and the others fill the widest gaps below (D. Vamvatsikos,
-    C. A. Cornell, Applied incremental dynamic analysis, Earthquake Spectra 20 (2004) 523-553). docs/fragility.md has all keys.
+    C. A. Cornell, Applied incremental dynamic analysis, Earthquake Spectra 20 (2004) 523-553). docs/studies/fragility.md has all keys.
 
     Parameters
     ----------

@@ -220,7 +220,7 @@ def read_record(
     acceleration_column: int | str | None = None,
     g: float = 9.81,
 ) -> Record:
-    """Reads an accelerogram in any format of docs/records.md: PEER, COSMOS, CSMIP, ESM, K-NET, GeoNet, columns (CSV) and others.
+    """Reads an accelerogram in any format of docs/studies/records.md: PEER, COSMOS, CSMIP, ESM, K-NET, GeoNet, columns (CSV) and others.
 
     The content determines the format. The options supply the information that the file lacks, and must agree with the
     information that it has.

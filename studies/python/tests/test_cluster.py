@@ -151,8 +151,8 @@ def test_a_full_disk_is_one_line_and_leaves_the_other_parts(study, tmp_path):
 
 
 def example(engine):
-    """The script of docs/cluster.md for an engine, as it stands."""
-    text = (Path(__file__).resolve().parents[3] / "docs/cluster.md").read_text()
+    """The script of docs/studies/cluster.md for an engine, as it stands."""
+    text = (Path(__file__).resolve().parents[3] / "docs/studies/cluster.md").read_text()
     return next(code for code in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if f"from {engine} import" in code)
 
 

@@ -18,7 +18,7 @@ sys.path.insert(0, str(EXAMPLES))
 
 def test_the_examples_of_the_page(capsys, monkeypatch):
     monkeypatch.chdir(ROOT)
-    codes = re.findall(r"```python\n(.*?)```", (ROOT / "docs/python.md").read_text(), re.DOTALL)
+    codes = re.findall(r"```python\n(.*?)```", (ROOT / "docs/studies/python.md").read_text(), re.DOTALL)
     assert len(codes) == 6
     names = {}
     # scripts/dev/check has what the last one imports.
@@ -51,10 +51,10 @@ def test_a_release_test_is_fitted(tmp_path):
 
 
 def test_the_tower_of_the_page_has_absorbers():
-    """The slow rotations of docs/tower.md, and its runs under one record, are those of the script."""
+    """The slow rotations of docs/studies/tower.md, and its runs under one record, are those of the script."""
     import tower
 
-    page = (ROOT / "docs/tower.md").read_text()
+    page = (ROOT / "docs/studies/tower.md").read_text()
     absorbers = (tower.YIELD_FORCE, tower.YIELD_ELONGATION)
     for line in tower.curve_rows(absorbers):
         assert f"\n{line}\n" in page
@@ -84,7 +84,7 @@ def test_velocity_tells_overturning_better_than_acceleration():
 
 @pytest.mark.check
 def test_medians_of_fema_lie_between_lifting_and_overturning():
-    """The claims of docs/contents.md, for two bodies, one record and half of the levels."""
+    """The claims of docs/studies/contents.md, for two bodies, one record and half of the levels."""
     import contents
 
     bookcase, cabinet = contents.runs(
@@ -98,7 +98,7 @@ def test_medians_of_fema_lie_between_lifting_and_overturning():
 
 @pytest.mark.check
 def test_stronger_anchors_prevent_more_falls():
-    """The claim of docs/contents.md, for the tallest bookcase on the ground and on two floors."""
+    """The claim of docs/studies/contents.md, for the tallest bookcase on the ground and on two floors."""
     import anchored_contents
     import contents
 

@@ -52,7 +52,7 @@ def coverage(fit, truth, count, seed):
 @pytest.mark.check
 @pytest.mark.parametrize(("fit", "truth"), [(fit_on_rigid_base, RIGID), (fit_on_supports, SUPPORTS)])
 def test_of_100_intervals_of_95_percent_95_contain_the_truth(fit, truth):
-    # Other seeds, 400 fits in all: 92.8 to 95.8 % (docs/fit.md).
+    # Other seeds, 400 fits in all: 92.8 to 95.8 % (docs/studies/fit.md).
     inside, fits = coverage(fit, truth, 100, seed=13)
     assert all(92 <= count <= 98 for count in inside.values()), inside
     # White errors of the given size: notes by chance alone.

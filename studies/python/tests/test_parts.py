@@ -159,7 +159,7 @@ def test_a_table_and_parts_are_parquet(whole, tmp_path):
 def test_the_example_of_processes_runs_as_it_stands(tmp_path):
     """The start method is that of the platform: a fork has no threads of its parent, which has read the study and its records."""
     (tmp_path / "study.toml").write_text(STUDY_TEXT)
-    text = (Path(__file__).resolve().parents[3] / "docs/cluster.md").read_text()
+    text = (Path(__file__).resolve().parents[3] / "docs/studies/cluster.md").read_text()
     (tmp_path / "script.py").write_text(re.search(r"```python\n(from concurrent.futures .*?)```", text, re.DOTALL)[1])
     run = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
     assert run.returncode == 0, run.stderr

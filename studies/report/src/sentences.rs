@@ -340,7 +340,7 @@ fn join(items: &[String]) -> String {
 mod tests {
     use std::collections::BTreeSet;
 
-    const TABLE: &str = include_str!("../../../docs/report.md");
+    const TABLE: &str = include_str!("../../../docs/studies/report.md");
     const RESULTS: &str = include_str!("../../engine/src/assess/results.rs");
     /// Shorter texts are parts of sentences.
     const FEWEST_WORDS: usize = 4;

@@ -96,7 +96,7 @@ def test_a_dropped_record_is_read(visit, tmp_path):
     ran(page, 3)
     assert "sway.csv" in page.inner_text("#numbers")
     # A picture is not an accelerogram.
-    page.set_input_files("#record", ROOT / "docs/sketch.png")
+    page.set_input_files("#record", ROOT / "docs/pictures/sketch.png")
     expect(page.locator("#record-error")).to_contain_text("sketch.png")
 
 

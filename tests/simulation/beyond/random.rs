@@ -184,7 +184,7 @@ fn check(draw: &Draw) -> Result<(), String> {
         let after = simulation.energies();
         input = input.max(after.input.abs()).max(after.total.abs());
         let size = barrier + input;
-        // Where a corner lifts, its pivot changes, which may add energy (docs/model.md).
+        // Where a corner lifts, its pivot changes, which may add energy (docs/unit/model.md).
         ensure!(
             !lands || lifts || after.kinetic - before <= 1e-12 * size,
             "a landing makes {} J",

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares this project's block in space with the same equations in C on SUNDIALS CVODE: error, evaluations and CPU time.
 
-    lab/benches/peers/space/compare.py                    # builds both programs, and prints a table for docs/performance.md
+    lab/benches/peers/space/compare.py                    # builds both programs, and prints a table for docs/code/performance.md
     lab/benches/peers/space/compare.py --records FOLDER   # with the folder of the records that may not be redistributed
 
 The cases are `two_axis`, `friction` and, if its records are at hand, `rinaldi` of tests/reference_space. The error is the greatest difference of

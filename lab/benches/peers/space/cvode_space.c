@@ -1,5 +1,5 @@
 /*
- * The block in space of docs/model.md with SUNDIALS CVODE: variable-order Adams (fixed point) or BDF (Newton), events by CVodeRootInit
+ * The block in space of docs/unit/model.md with SUNDIALS CVODE: variable-order Adams (fixed point) or BDF (Newton), events by CVodeRootInit
  * with directions, stops at the kinks of the excitation, a restart after each event.
  *
  *     cvode_space CASE adams|bdf TOLERANCE END SECONDS

@@ -1,4 +1,4 @@
-//! Contents of each figure as in the paper. docs/figures.md has the captions.
+//! Contents of each figure as in the paper. docs/unit/figures.md has the captions.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -252,12 +252,12 @@ fn wrong_options_are_refused() {
     assert_eq!(files(folder.path()), ["PCD164.AT2"]);
 }
 
-/// docs/figures.md has the caption of each figure.
+/// docs/unit/figures.md has the caption of each figure.
 #[test]
 fn the_documentation_has_the_captions() {
-    let page = include_str!("../../../../docs/figures.md").split_whitespace().collect::<Vec<_>>().join(" ");
+    let page = include_str!("../../../../docs/unit/figures.md").split_whitespace().collect::<Vec<_>>().join(" ");
     for number in NUMBERS {
         let caption = parameters::caption(number).unwrap().replace('\u{A0}', " ");
-        assert!(page.contains(&caption), "Figure {number}: `{caption}` is not in docs/figures.md");
+        assert!(page.contains(&caption), "Figure {number}: `{caption}` is not in docs/unit/figures.md");
     }
 }

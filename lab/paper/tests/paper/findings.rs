@@ -1,4 +1,4 @@
-//! Findings of the paper, tested on small grids. docs/figures.md has the full comparison.
+//! Findings of the paper, tested on small grids. docs/unit/figures.md has the full comparison.
 
 use std::f64::consts::TAU;
 use std::path::Path;

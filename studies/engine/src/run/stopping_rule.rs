@@ -20,7 +20,7 @@ use rocking_block::simulation::Simulation;
 /// Fraction of the barrier that the energy must stay below.
 ///
 /// The margin covers the energy that a lift-off adds until the next landing: 0.1 % at η = 40, 2 % at η = 10
-/// (docs/model.md).
+/// (docs/unit/model.md).
 const BELOW_THE_BARRIER: f64 = 0.95;
 
 /// Longest time after the ground has come to rest, in 1/p. Blocks without energy loss reach it.

@@ -1,7 +1,7 @@
 //! `ensemble` of a study file → samples of each row and the limits exceeded.
 //!
 //! Overturning under a given record is close to chance: a change of the record by one percent changes four outcomes in a hundred
-//! (docs/fragility.md). A probability over small unknown variations can be predicted.
+//! (docs/studies/fragility.md). A probability over small unknown variations can be predicted.
 
 use crate::input::parameters::{Parameter, Vocabulary, flatten};
 use crate::input::study_file::{Section, SpannedValue, StudyFileError, StudyText, number};

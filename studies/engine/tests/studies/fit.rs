@@ -54,7 +54,7 @@ fn intervals_contain_the_truth() {
 }
 
 /// Runs of whole fits, without derivatives and with them. A run with them takes a third to two thirds of the instructions of a run with
-/// a row at each measured time, and one without them, for 100 values at most, less (docs/fit.md).
+/// a row at each measured time, and one without them, for 100 values at most, less (docs/studies/fit.md).
 #[test]
 fn a_fit_takes_few_runs() {
     for (planted, without, most) in [(rigid(), 13, 29), (supports(), 32, 44)] {

@@ -1,4 +1,4 @@
-//! Published results, as numbers or in closed form; docs/validation.md has the table.
+//! Published results, as numbers or in closed form; docs/unit/validation.md has the table.
 //!
 //! Most are for slender blocks, whose equations are linear while the block stands on one corner. With α = 0.005 rad the
 //! linearization error is of the order of α² ≈ 3e-5.

@@ -205,7 +205,7 @@ proptest! {
         }
     }
 
-    /// The stopping rule promises the end and the largest rotation; other peaks may grow a little later (docs/model.md).
+    /// The stopping rule promises the end and the largest rotation; other peaks may grow a little later (docs/unit/model.md).
     #[test]
     fn longer_runs_end_alike(case in case()) {
         let run = case.run(SAME);

@@ -27,7 +27,7 @@ use rocking_studies::spec::words::Words;
 /// Options of `rocking pulse`.
 #[derive(Parser)]
 pub struct PulseCommand {
-    /// Accelerogram in any format of docs/records.md; `-` for standard input
+    /// Accelerogram in any format of docs/studies/records.md; `-` for standard input
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten, next_help_heading = "Reading")]

@@ -29,7 +29,7 @@ const LARGEST_DISPLACEMENT: f64 = 1.0;
 #[derive(Parser)]
 #[command(mut_arg("value_scale", |option| option.visible_alias("scale")))]
 pub struct RecordCommand {
-    /// Accelerograms in any format of docs/records.md, among them PEER, COSMOS, CSMIP, ESM, K-NET, GeoNet and tables; `-` for standard input
+    /// Accelerograms in any format of docs/studies/records.md, among them PEER, COSMOS, CSMIP, ESM, K-NET, GeoNet and tables; `-` for standard input
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
     /// Second horizontal component of a single record, at a right angle to it: adds RotD50 and RotD100 of each measure

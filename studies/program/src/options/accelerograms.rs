@@ -15,7 +15,7 @@ use rocking_studies::spec::RecordSpec;
 /// Records of several ground motions, or of one in a command whose options are [`of_one_motion`].
 #[derive(Args)]
 pub struct Accelerograms {
-    /// Accelerograms of horizontal ground motions, one or more, in any format of docs/records.md; `-` for standard input
+    /// Accelerograms of horizontal ground motions, one or more, in any format of docs/studies/records.md; `-` for standard input
     #[arg(long, value_name = "FILE", num_args = 1..)]
     record: Vec<PathBuf>,
     /// Accelerograms of the vertical ground motions, in the same order; `-` for standard input
@@ -29,7 +29,7 @@ pub struct Accelerograms {
 pub fn of_one_motion(option: Arg) -> Arg {
     let help = match option.get_id().as_str() {
         "record" => {
-            "Accelerogram of the horizontal ground motion, in any format of docs/records.md; `-` for standard input"
+            "Accelerogram of the horizontal ground motion, in any format of docs/studies/records.md; `-` for standard input"
         }
         "vertical" => "Accelerogram of the vertical ground motion; `-` for standard input",
         _ => return option,

@@ -117,7 +117,7 @@ fn numbers_of_the_summary_can_be_read() {
     assert!(summary.contains(weakest), "{summary}");
 }
 
-/// The example of docs/fit.md: the planted values of examples/python/release_test.py lie within the intervals.
+/// The example of docs/studies/fit.md: the planted values of examples/python/release_test.py lie within the intervals.
 #[test]
 fn the_example_finds_the_planted_block() {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));

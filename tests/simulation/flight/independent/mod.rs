@@ -1,4 +1,4 @@
-//! The block in Cartesian coordinates: an independent implementation of docs/model.md, for comparison with the solver.
+//! The block in Cartesian coordinates: an independent implementation of docs/unit/model.md, for comparison with the solver.
 //!
 //! It shares only the block's parameters with the solver. Coordinates are the position of the centre of mass and θ in all
 //! regimes; forces and impulses are unknowns of linear systems, together with the accelerations and velocities; lifted supports

@@ -1,4 +1,4 @@
-//! Events of the block and their effects: the rules of docs/model.md.
+//! Events of the block and their effects: the rules of docs/unit/model.md.
 
 use rocking_block::block::Body;
 

@@ -1,4 +1,4 @@
-//! Job arrays as they are run: several parts at once, `rocking parts`, `rocking merge`, and the examples of docs/cluster.md.
+//! Job arrays as they are run: several parts at once, `rocking parts`, `rocking merge`, and the examples of docs/studies/cluster.md.
 
 use std::fs;
 use std::path::Path;
@@ -202,11 +202,11 @@ fn parts_that_are_no_table_of_one_run_are_refused_by_name() {
     refused(path, &["parts", "."], &[".: found other files"]);
 }
 
-/// The scripts of docs/cluster.md for all tasks of their arrays, and the commands after them, as they stand.
+/// The scripts of docs/studies/cluster.md for all tasks of their arrays, and the commands after them, as they stand.
 #[cfg(unix)]
 #[test]
 fn the_documented_job_arrays_run_as_they_stand() {
-    let page = include_str!("../../../../../docs/cluster.md");
+    let page = include_str!("../../../../../docs/studies/cluster.md");
     let scripts: Vec<&str> = page.split("```sh\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
     let (begin, end) = (page.find("## Job arrays").unwrap(), page.find("## Executors in Python").unwrap());
     let commands: Vec<&str> = page[begin..end].lines().filter_map(|line| line.strip_prefix("    rocking ")).collect();

@@ -164,7 +164,7 @@ fn blocks_that_separate_fly() {
             assert_eq!(fly.rows[row], end.rows[row]);
             continue;
         }
-        // A corner without reaction may slide on its support before it leaves it (docs/model.md).
+        // A corner without reaction may slide on its support before it leaves it (docs/unit/model.md).
         let (first, time) = (fly.get(row, "first_separation [s]"), end.number(row, "end_time [s]"));
         at_once += usize::from(first.parse() == Ok(time));
         assert!(first.is_empty() || first.parse::<f64>().unwrap() >= time);
