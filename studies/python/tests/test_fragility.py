@@ -76,7 +76,7 @@ def test_a_second_measure_is_that_of_the_program(tmp_path):
     assert "Surface of 149 rows" in repr(fits[0].surface)
     plain = rb.fragility(table, "PGV")
     assert plain.surface is None and plain.sufficiency == {}
-    with pytest.raises(ValueError, match="there is no column 'D5-95'"):
+    with pytest.raises(ValueError, match="table: has no column D5-95"):
         rb.fragility(table, "PGV", beside="D5-95")
     with pytest.raises(ValueError, match="found a measure that is not above 0"):
         fits[0].surface.curve(0.0, 1.0)

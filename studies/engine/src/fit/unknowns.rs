@@ -173,15 +173,7 @@ fn unknown(problem: &Problem, free: &Free, number: Option<usize>) -> Result<Unkn
         "delay" => "s".into(),
         _ => unit(name).into(),
     };
-    Ok(Unknown {
-        name: name.clone(),
-        unit: unit.into(),
-        test: number,
-        start,
-        bounds,
-        is_logarithmic,
-        prior: free.prior,
-    })
+    Ok(Unknown { name: name.clone(), unit, test: number, start, bounds, is_logarithmic, prior: free.prior })
 }
 
 /// Returns the bounds of a parameter, and whether its logarithm is fitted.

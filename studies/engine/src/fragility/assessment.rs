@@ -186,7 +186,10 @@ impl Assessment {
 
     /// The method of the intervals and their independent units in words.
     pub fn intervals(&self) -> String {
-        self.uncertainty.words(&self.units())
+        match self.independence {
+            Independence::OneMotion => format!("none {}", self.units()),
+            Independence::Rows | Independence::Motions(_) => self.uncertainty.words(&self.units()),
+        }
     }
 
     /// Standard errors of the coefficients, clustered by motion where motions repeat.
@@ -252,7 +255,8 @@ impl Assessment {
             )
         });
         let alone = (self.independence == Independence::OneMotion).then(|| {
-            format!("{heading}: no intervals: the rows are {}, which tells nothing of the scatter of others; expected several", self.units())
+            let units = self.units();
+            format!("{heading}: no intervals {units}: its rows tell nothing of the scatter of others; expected several")
         });
         let beta = self.fit.dispersion();
         let falls = (beta < 0.0).then(|| {

@@ -151,7 +151,7 @@ pub fn types(files: &TableFiles) -> Result<Vec<Heading>, MergeError> {
         let reason = "is CSV, which does not tell numbers, whole numbers and words apart; expected parts in Parquet, or a table in CSV";
         return Err(refused(reason.into()).into());
     }
-    let groups = File::open(path).map_err(Into::into).and_then(Groups::new);
+    let groups = File::open(path).and_then(Groups::new);
     Ok(groups.map_err(|error| refused(error.to_string()))?.headings)
 }
 

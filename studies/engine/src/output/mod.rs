@@ -5,7 +5,7 @@
 //! | [`table`] | columns with units and types → tables of typed values |
 //! | [`csv`] | tables → lines of CSV, and back |
 //! | [`parquet`] | tables → Parquet, and back, with the feature `parquet` |
-//! | [`format`] | a table and what it is → the bytes of a file, in the format of its name |
+//! | [`mod@format`] | a table and what it is → the bytes of a file, in the format of its name |
 //! | [`reading`] | tables of unknown columns → typed columns |
 //! | [`output_target`] | the name of an output → a file, a stream or standard output |
 //! | [`resumable`] | rows → a CSV file that an interrupted study can resume |
