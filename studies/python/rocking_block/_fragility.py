@@ -378,6 +378,8 @@ def fragility(
         source = rows_of(cases)
     (im, unit), (rows, failed, separated, undecided, missing, partly) = cases.heading, cases.counts
     least, most = cases.exceeded
+    # The fit refuses a table without rows.
+    rows = max(rows, 1)
     labels = (im, unit or "", limit_of(cases.limit), failed, separated, undecided, missing, (least / rows, most / rows))
     options = (link, ci, samples if resampled else None, seed)
     with ticking(progress) as tick:
